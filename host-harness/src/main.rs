@@ -1,0 +1,2 @@
+//! The command `joint`.
+fn main() {}

@@ -1,0 +1,73 @@
+//! Friction that differs by direction, as worn screws and preloaded bearings have it.
+//!
+//! The LuGre level becomes `g(v) (1 + a sgn v)` and the viscous coefficient `σ2 (1 + b sgn v)`.
+//! Source: the practice of axis identification, for example Janot, Gautier and Brunot, "Data set and
+//! reference models of EMPS" (2019), where both parts differ.
+
+use super::{ParameterSpec, Spec};
+use crate::params::Location;
+use crate::scalar::Scalar;
+
+/// Name, places and parameters.
+pub const SPEC: Spec = Spec {
+    kind: "asymmetric-friction",
+    locations: &[Location::Motor, Location::Stage(0)],
+    parameters: &[
+        // Relative: the level is this much higher in positive direction.
+        ParameterSpec { key: "asymmetry", default: Some(0.0), low: -0.95, high: 0.95 },
+        // Relative: the viscous coefficient is this much higher in positive direction.
+        ParameterSpec { key: "viscous_asymmetry", default: Some(0.0), low: -0.95, high: 0.95 },
+    ],
+};
+
+/// The law for one mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct AsymmetricFriction<S: Scalar> {
+    /// The mass it acts on, 0 at the rotor.
+    pub mass: u8,
+    inverse_level: [S; 2],
+    viscous: [S; 2],
+}
+
+impl<S: Scalar> AsymmetricFriction<S> {
+    /// From the values of [`SPEC`]; `reversed` where the mass turns against the motor.
+    pub fn new(mass: u8, values: &[f64], reversed: bool) -> Self {
+        let sign = if reversed { -1.0 } else { 1.0 };
+        let value = |k: usize| sign * values.get(k).copied().unwrap_or(0.0);
+        let (level, viscous) = (value(0), value(1));
+        Self {
+            mass,
+            inverse_level: [S::from_f64(1.0 / (1.0 + level)), S::from_f64(1.0 / (1.0 - level))],
+            viscous: [S::from_f64(1.0 + viscous), S::from_f64(1.0 - viscous)],
+        }
+    }
+
+    /// One over the factor on g(v).
+    #[inline]
+    pub fn inverse_level(&self, speed: S) -> S {
+        let [forward, backward] = self.inverse_level;
+        if speed < S::ZERO { backward } else { forward }
+    }
+
+    /// Factor on σ2.
+    #[inline]
+    pub fn viscous(&self, speed: S) -> S {
+        let [forward, backward] = self.viscous;
+        if speed < S::ZERO { backward } else { forward }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_positive_asymmetry_raises_friction_in_positive_direction() {
+        let law = AsymmetricFriction::<f64>::new(0, &[0.25, -0.5], false);
+        assert!((1.0 / law.inverse_level(1.0) - 1.25).abs() < 1e-12);
+        assert!((1.0 / law.inverse_level(-1.0) - 0.75).abs() < 1e-12);
+        assert_eq!((law.viscous(1.0), law.viscous(-1.0)), (0.5, 1.5));
+    }
+}

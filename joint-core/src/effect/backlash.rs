@@ -1,0 +1,60 @@
+//! Play in a stage: the spring's argument passes a dead zone of total width b at the output side.
+//!
+//! `x ↦ x − b/2 sgn x` outside `|x| ≤ b/2`, zero inside; the stage's damping acts only in contact.
+//! Source: the dead-zone model of Nordin and Gutman, "Controlling mechanical systems with backlash"
+//! (Automatica, 2002).
+
+use super::{ParameterSpec, Spec};
+use crate::params::Location;
+use crate::scalar::Scalar;
+
+/// Name, places and parameters.
+pub const SPEC: Spec = Spec {
+    kind: "backlash",
+    locations: &[Location::Stage(0)],
+    // Total width of the dead zone at the stage's output, rad.
+    parameters: &[ParameterSpec { key: "width_rad", default: None, low: 0.0, high: 1.0 }],
+};
+
+/// The law for one stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct Backlash<S: Scalar> {
+    /// The stage it sits in, 0 at the motor.
+    pub stage: u8,
+    half_width: S,
+}
+
+impl<S: Scalar> Backlash<S> {
+    /// From the values of [`SPEC`]; `angle` is the unit of the stage's deflection in rad.
+    pub fn new(stage: u8, values: &[f64], angle: f64) -> Self {
+        let width: f64 = values.first().copied().unwrap_or(0.0);
+        Self { stage, half_width: S::from_f64(width / (2.0 * angle)) }
+    }
+
+    /// The deflection left for the spring, and its derivative: one in contact, else zero.
+    #[inline]
+    pub fn deflection(&self, deflection: S) -> (S, S) {
+        if deflection > self.half_width {
+            (deflection - self.half_width, S::ONE)
+        } else if deflection < -self.half_width {
+            (deflection + self.half_width, S::ONE)
+        } else {
+            (S::ZERO, S::ZERO)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_two_contact_lines_lie_one_width_apart() {
+        let law = Backlash::<f64>::new(0, &[0.2], 1.0);
+        assert_eq!(law.deflection(0.05), (0.0, 0.0));
+        let (right, left) = (law.deflection(0.3), law.deflection(-0.3));
+        assert!((right.0 - 0.2).abs() < 1e-12 && (left.0 + 0.2).abs() < 1e-12);
+    }
+}

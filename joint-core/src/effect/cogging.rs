@@ -1,0 +1,107 @@
+//! Cogging: the magnets' pull on the teeth, a torque on the rotor that depends on its angle alone.
+//!
+//! `T = −(a sin(n q + φ) + b sin(2 n q + ψ))`, the same at every current and speed. Orders are the
+//! least common multiple of slots and magnet poles, with the slot or pole number where the machine
+//! is not perfect; one effect holds an order and its double, further orders are further effects.
+//! Source: Hanselman, "Brushless Permanent Magnet Motor Design", chapter on cogging torque.
+
+use super::{Motion, ParameterSpec, Spec, Torque};
+use crate::angle::{Angle, Ratio};
+use crate::params::Location;
+use crate::scalar::Scalar;
+
+/// Name, places and parameters.
+pub const SPEC: Spec = Spec {
+    kind: "cogging",
+    locations: &[Location::Motor],
+    parameters: &[
+        // Periods per turn of the rotor.
+        ParameterSpec { key: "order", default: None, low: 0.01, high: 2000.0 },
+        ParameterSpec { key: "amplitude_nm", default: None, low: -1e9, high: 1e9 },
+        ParameterSpec { key: "phase_rad", default: Some(0.0), low: -1e3, high: 1e3 },
+        // The double order's share.
+        ParameterSpec { key: "second_amplitude_nm", default: Some(0.0), low: -1e9, high: 1e9 },
+        ParameterSpec { key: "second_phase_rad", default: Some(0.0), low: -1e3, high: 1e3 },
+    ],
+};
+
+/// A torque that follows one order of an angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub(super) struct Line<S: Scalar> {
+    order: Ratio<S>,
+    sine: S,
+    cosine: S,
+    slope: S::Gain,
+}
+
+impl<S: Scalar> Line<S> {
+    /// `−amplitude · sin(order · q + phase)`; `angle` is the unit of the deflections in rad at
+    /// this mass, in which the slope is given.
+    pub(super) fn new(order: f64, amplitude: f64, phase: f64, angle: f64) -> Self {
+        Self {
+            order: Ratio::new(order),
+            sine: S::from_f64(-amplitude * libm::cos(phase)),
+            cosine: S::from_f64(-amplitude * libm::sin(phase)),
+            slope: S::gain(order * angle),
+        }
+    }
+
+    #[inline]
+    pub(super) fn torque(&self, angle: Angle<S>) -> Torque<S> {
+        let turns = self.order.of(angle);
+        let (sin, cos) = (turns.sin_turns(), turns.cos_turns());
+        Torque {
+            value: self.sine * sin + self.cosine * cos,
+            slope: (self.sine * cos - self.cosine * sin).times(self.slope),
+        }
+    }
+}
+
+/// The law: an order and its double.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct Cogging<S: Scalar> {
+    first: Line<S>,
+    second: Line<S>,
+}
+
+impl<S: Scalar> Cogging<S> {
+    /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad).
+    pub fn new(values: &[f64], torque: f64, angle: f64) -> Self {
+        let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
+        Self {
+            first: Line::new(value(0), value(1) / torque, value(2), angle),
+            second: Line::new(2.0 * value(0), value(3) / torque, value(4), angle),
+        }
+    }
+
+    /// Torque on the rotor.
+    #[inline]
+    pub fn torque(&self, at: Motion<S>) -> Torque<S> {
+        let (first, second) = (self.first.torque(at.angle), self.second.torque(at.angle));
+        Torque { value: first.value + second.value, slope: first.slope + second.slope }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_torque_is_the_equation_and_the_slope_its_derivative() {
+        let (n, a, phase, b, second) = (6.0, 0.3, 0.7, 0.1, -0.4);
+        let law = Cogging::<f64>::new(&[n, a, phase, b, second], 1.0, 1.0);
+        let at =
+            |q: f64| Motion { angle: Angle::from_turns(q / core::f64::consts::TAU), speed: 0.0 };
+        for k in -20..20 {
+            let q = 0.37 * f64::from(k);
+            let exact = -(a * (n * q + phase).sin() + b * (2.0 * n * q + second).sin());
+            assert!((law.torque(at(q)).value - exact).abs() < 1e-9);
+            let difference = law.torque(at(q + 1e-5)).value - law.torque(at(q - 1e-5)).value;
+            assert!((law.torque(at(q)).slope - difference / 2e-5).abs() < 1e-4);
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! A current sensor that shows `i + o`.
+//!
+//! Where the voltage is the input it is a matter of the measurement alone; where the current is
+//! the input, the winding carries `i − o`. Source: the zero-current calibration of any drive.
+
+use super::{ParameterSpec, Spec};
+use crate::params::Location;
+use crate::scalar::Scalar;
+
+/// Name, places and parameters.
+pub const SPEC: Spec = Spec {
+    kind: "current-offset",
+    locations: &[Location::CurrentSensor],
+    parameters: &[ParameterSpec { key: "offset_a", default: None, low: -1e6, high: 1e6 }],
+};
+
+/// The law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct CurrentOffset<S: Scalar> {
+    offset: S,
+}
+
+impl<S: Scalar> CurrentOffset<S> {
+    /// From the values of [`SPEC`] and the unit of current in A.
+    pub fn new(values: &[f64], current: f64) -> Self {
+        let offset: f64 = values.first().copied().unwrap_or(0.0);
+        Self { offset: S::from_f64(offset / current) }
+    }
+
+    /// What the sensor shows.
+    #[inline]
+    pub fn measured(&self, current: S) -> S {
+        current + self.offset
+    }
+
+    /// What flows when the sensor shows this.
+    #[inline]
+    pub fn actual(&self, measured: S) -> S {
+        measured - self.offset
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measuring_and_correcting_undo_each_other() {
+        let law = CurrentOffset::<f64>::new(&[0.5], 2.0);
+        assert_eq!(law.measured(1.0), 1.25);
+        assert_eq!(law.actual(law.measured(1.0)), 1.0);
+    }
+}

@@ -1,0 +1,56 @@
+//! Friction that grows with the torque a mass passes on: the gear loss that catalogues call
+//! efficiency.
+//!
+//! The LuGre level becomes `g(v) (1 + μ |T| / α0)` with T the torque of the stage's spring, or the
+//! motor torque for the rotor. Source: Linderoth, Stolt, Robertsson and Johansson (2013), and the
+//! gear-loss models M3 to M6 of Duclusaud, Passault and others for servo actuators.
+
+use super::{ParameterSpec, Spec};
+use crate::params::Location;
+use crate::scalar::Scalar;
+
+/// Name, places and parameters.
+pub const SPEC: Spec = Spec {
+    kind: "load-dependent-friction",
+    locations: &[Location::Motor, Location::Stage(0)],
+    // μ: friction torque per transmitted torque.
+    parameters: &[ParameterSpec { key: "coefficient", default: None, low: 0.0, high: 10.0 }],
+};
+
+/// The law for one mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct LoadDependentFriction<S: Scalar> {
+    /// The mass it acts on, 0 at the rotor.
+    pub mass: u8,
+    per_torque: S::Gain,
+}
+
+impl<S: Scalar> LoadDependentFriction<S> {
+    /// From the values of [`SPEC`], the mass's Coulomb level and the unit of torque there, both Nm.
+    pub fn new(mass: u8, values: &[f64], coulomb: f64, torque: f64) -> Self {
+        let coefficient = values.first().copied().unwrap_or(0.0);
+        let per_torque = if coulomb > 0.0 { coefficient * torque / coulomb } else { 0.0 };
+        Self { mass, per_torque: S::gain(per_torque) }
+    }
+
+    /// One over the factor on g(v).
+    #[inline]
+    pub fn inverse_level(&self, transmitted: S) -> S {
+        S::ONE.over(S::ONE + transmitted.abs().times(self.per_torque))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_added_level_is_mu_times_the_torque() {
+        let (mu, coulomb) = (0.12, 0.3);
+        let law = LoadDependentFriction::<f64>::new(0, &[mu], coulomb, 1.0);
+        let level = coulomb / law.inverse_level(-2.0);
+        assert!((level - (coulomb + mu * 2.0)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,63 @@
+//! The spring of one gear stage, `T = k1 x + k3 x³ + c ẋ`, equation (1), reflected to the motor.
+
+use crate::params::Stage;
+use crate::scalar::Scalar;
+
+/// Constants of one stage's spring, per-unit and reflected to the motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct Spring<S: Scalar> {
+    linear: S::Gain,
+    cubic: S::Gain,
+    /// Share of the relative speed that damping takes in half a step, on the mass before and after.
+    before: S::Gain,
+    after: S::Gain,
+}
+
+impl<S: Scalar> Spring<S> {
+    /// From SI: `shaft` is the ratio of the spring's output side to the motor; `inertia` are the
+    /// reflected inertias before and after it.
+    pub(crate) fn new(
+        stage: &Stage,
+        shaft: f64,
+        half_step: f64,
+        [torque, angle]: [f64; 2],
+        inertia: [f64; 2],
+    ) -> Self {
+        let square = shaft * shaft;
+        let linear = stage.stiffness_nm_per_rad * square;
+        let cubic = stage.cubic_stiffness_nm_per_rad3 * square * square;
+        let [before, after] = inertia;
+        let mobility = 1.0 / before + 1.0 / after;
+        let taken = -libm::expm1(-stage.damping_nm_s_per_rad * square * half_step * mobility);
+        Self {
+            linear: S::gain(linear * angle / torque),
+            cubic: S::gain(cubic * angle * angle * angle / torque),
+            before: S::gain(taken / (before * mobility)),
+            after: S::gain(taken / (after * mobility)),
+        }
+    }
+
+    /// Elastic torque.
+    #[inline]
+    pub(crate) fn torque(&self, deflection: S) -> S {
+        let square = deflection * deflection;
+        deflection.times(self.linear) + (deflection * square).times(self.cubic)
+    }
+
+    /// Derivative of the elastic torque with the deflection.
+    #[inline]
+    pub(crate) fn slope(&self, deflection: S) -> S {
+        let square = deflection * deflection;
+        S::ONE.times(self.linear) + (square + square + square).times(self.cubic)
+    }
+
+    /// Lets the damper act for half a step on the speeds before and after it.
+    #[inline]
+    pub(crate) fn damp(&self, before: &mut S, after: &mut S) {
+        let relative = *before - *after;
+        *before = *before - relative.times(self.before);
+        *after = *after + relative.times(self.after);
+    }
+}

@@ -1,0 +1,351 @@
+//! The assembled joint: constants, state, and how both are read.
+//!
+//! [`Joint`] is built once from SI parameters and never changes; [`State`] is what moves. One joint
+//! drives many states. Masses count from 0 at the rotor; quantities asked for or given here are SI
+//! at the mass's own side, while the state itself is per-unit and reflected to the motor.
+
+use crate::angle::{Angle, Ratio};
+use crate::effect::{EffectParameters, EffectSet, Effects};
+use crate::friction::{Bristle, Friction};
+use crate::gear::Spring;
+use crate::motor::RotorKick;
+use crate::params::{self, Load, Motor, ParameterError, Stage};
+use crate::per_unit::{Bases, reflected_inertia};
+use crate::scalar::Scalar;
+
+pub use crate::motor::Drive;
+
+/// Most micro-steps one step is divided into.
+pub const MAX_MICRO_STEPS: u32 = 64;
+
+/// How a joint is to be stepped.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings<'a> {
+    /// What the drive imposes.
+    pub drive: Drive,
+    /// Length of a step, seconds.
+    pub step_s: f64,
+    /// Micro-steps in a step; `None` takes what [`micro_steps`] finds.
+    pub micro_steps: Option<u32>,
+    /// Effects beside the plain equations; used by joints with an [`EffectSet`].
+    pub effects: &'a [EffectParameters],
+}
+
+impl Settings<'_> {
+    /// A step of this length, divided as the parameters ask, without effects.
+    pub fn new(drive: Drive, step_s: f64) -> Self {
+        Self { drive, step_s, micro_steps: None, effects: &[] }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub(crate) struct StageConstants<S: Scalar> {
+    pub(crate) spring: Spring<S>,
+    pub(crate) friction: Friction<S>,
+    /// Mobility τ/J of the outer and the middle kick.
+    pub(crate) mobility: [S::Gain; 2],
+    /// γ = h²/(24 J) of the force gradient.
+    pub(crate) gamma: S::Gain,
+    /// One over the reduction up to this mass.
+    pub(crate) shaft: Ratio<S>,
+}
+
+/// A joint of `N` stages with effects `E`, ready to step.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = "E: crate::scalar::Wire"))]
+pub struct Joint<S: Scalar, const N: usize, E = ()> {
+    pub(crate) micro_steps: u32,
+    /// Deflection per speed over half a micro-step.
+    pub(crate) half_drift: S::Gain,
+    /// Turns per speed over half a micro-step.
+    pub(crate) half_turn: S::Gain,
+    /// Turns per unit of deflection.
+    pub(crate) turns: S::Gain,
+    pub(crate) rotor: Friction<S>,
+    pub(crate) rotor_gamma: S::Gain,
+    pub(crate) outer: RotorKick<S>,
+    pub(crate) middle: RotorKick<S>,
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    pub(crate) stages: [StageConstants<S>; N],
+    pub(crate) effects: E,
+    per_drive: S::Gain,
+    per_load: S::Gain,
+    current_imposed: bool,
+    pub(crate) units: Units<S>,
+}
+
+/// What one of each state quantity is in SI, at the motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub(crate) struct Units<S: Scalar> {
+    pub(crate) current: S::Gain,
+    pub(crate) speed: S::Gain,
+    pub(crate) torque: S::Gain,
+    pub(crate) angle: S::Gain,
+}
+
+/// One mass: its speed and bristle, and the force and damping it was last found under.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mass<S> {
+    /// Speed, reflected to the motor.
+    pub speed: S,
+    /// Friction state.
+    pub bristle: Bristle<S>,
+    pub(crate) force: S,
+    pub(crate) damping: S,
+}
+
+/// One stage: the spring's deflection and the mass behind it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageState<S> {
+    /// Deflection of the spring, reflected to the motor.
+    pub deflection: S,
+    /// The mass behind it.
+    pub mass: Mass<S>,
+}
+
+/// All that moves in a joint of `N` stages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<S, const N: usize> {
+    /// Current in the two conducting phases.
+    pub current: S,
+    /// Rotor angle.
+    pub angle: Angle<S>,
+    /// The rotor.
+    pub rotor: Mass<S>,
+    /// The stages, from the motor on.
+    pub stages: [StageState<S>; N],
+}
+
+/// What acts on a joint for one step, per-unit: made by [`Joint::input`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Input<S> {
+    pub(crate) drive: S,
+    pub(crate) load: S,
+}
+
+impl<S: Scalar, const N: usize> Joint<S, N> {
+    /// A joint without effects.
+    ///
+    /// # Errors
+    /// The first parameter that the equations cannot take.
+    pub fn new(
+        motor: &Motor,
+        stages: &[Stage; N],
+        load: &Load,
+        settings: &Settings<'_>,
+    ) -> Result<Self, ParameterError> {
+        Self::with(motor, stages, load, settings, |_| Some(()))
+    }
+}
+
+impl<S: Scalar, const N: usize> Joint<S, N, EffectSet<S>> {
+    /// A joint with the effects of `settings` and the load's gravity.
+    ///
+    /// # Errors
+    /// The first parameter that the equations cannot take.
+    pub fn new(
+        motor: &Motor,
+        stages: &[Stage; N],
+        load: &Load,
+        settings: &Settings<'_>,
+    ) -> Result<Self, ParameterError> {
+        crate::effect::validate(settings.effects, N)?;
+        Self::with(motor, stages, load, settings, |bases| {
+            EffectSet::new(settings.effects, load, bases)
+        })
+    }
+}
+
+impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
+    /// A joint with effects made in its own units.
+    ///
+    /// # Errors
+    /// The first parameter that the equations cannot take.
+    pub fn with(
+        motor: &Motor,
+        stages: &[Stage; N],
+        load: &Load,
+        settings: &Settings<'_>,
+        effects: impl FnOnce(&Bases<'_>) -> Option<E>,
+    ) -> Result<Self, ParameterError> {
+        params::validate(motor, stages, load)?;
+        params::validate_drive(motor, settings.drive == Drive::Voltage, settings.step_s)?;
+        let bases = Bases::of(motor, stages, settings.step_s);
+        let found = micro_steps(motor, stages, load, settings.step_s);
+        let micro_steps = settings.micro_steps.unwrap_or(found).clamp(1, MAX_MICRO_STEPS);
+        let step = settings.step_s / f64::from(micro_steps);
+        let half = step / 2.0;
+        let Bases { torque, speed, angle, current, resistance, .. } = bases;
+        let inertia = |mass| reflected_inertia(motor, stages, load, mass);
+        let gamma = |inertia: f64| S::gain(step * step / (24.0 * inertia) * torque / angle);
+        let friction = |mass| {
+            Friction::new(bases.friction(mass), bases.shaft(mass), half, [torque, speed, angle])
+        };
+        let kick = |weight: f64| {
+            let units = [torque, speed, current];
+            RotorKick::new(motor, settings.drive, inertia(0), weight * step, units)
+        };
+        let effects = effects(&bases).ok_or(params::unplaced_effect(settings.effects.len()))?;
+        let mut number = 0;
+        let stages = stages.map(|stage| {
+            number += 1;
+            let (own, shaft) = (inertia(number), bases.shaft(number));
+            StageConstants {
+                spring: Spring::new(
+                    &stage,
+                    shaft,
+                    half,
+                    [torque, angle],
+                    [inertia(number - 1), own],
+                ),
+                friction: friction(number),
+                mobility: [OUTER, MIDDLE].map(|w| S::gain(w * step / own * torque / speed)),
+                gamma: gamma(own),
+                shaft: Ratio::new(shaft),
+            }
+        });
+        Ok(Self {
+            micro_steps,
+            half_drift: S::gain(half * speed / angle),
+            half_turn: S::gain(half * speed / core::f64::consts::TAU),
+            turns: S::gain(angle / core::f64::consts::TAU),
+            rotor: friction(0),
+            rotor_gamma: gamma(inertia(0)),
+            outer: kick(OUTER),
+            middle: kick(MIDDLE),
+            stages,
+            effects,
+            per_drive: S::gain(match settings.drive {
+                Drive::Voltage => 1.0 / (resistance * current),
+                Drive::Current => 1.0 / current,
+            }),
+            per_load: S::gain(bases.shaft(N) / torque),
+            current_imposed: settings.drive == Drive::Current,
+            units: Units {
+                current: S::gain(current),
+                speed: S::gain(speed),
+                torque: S::gain(torque),
+                angle: S::gain(angle),
+            },
+        })
+    }
+
+    /// Micro-steps in a step.
+    pub fn micro_steps(&self) -> u32 {
+        self.micro_steps
+    }
+
+    /// The joint at rest, relaxed, at angle zero.
+    pub fn rest(&self) -> State<S, N> {
+        let mut state = State {
+            current: S::ZERO,
+            angle: Angle::default(),
+            rotor: Mass::default(),
+            stages: [StageState::default(); N],
+        };
+        self.refresh(&mut state);
+        state
+    }
+
+    /// The input of one step: volts, or amperes where the current is imposed, and the load torque
+    /// at the output in Nm, positive against positive motion.
+    #[inline]
+    pub fn input(&self, drive: S, load: S) -> Input<S> {
+        let mut drive = drive.times(self.per_drive);
+        if self.current_imposed {
+            drive = self.effects.true_current(drive);
+        }
+        Input { drive, load: load.times(self.per_load) }
+    }
+
+    /// Current in the winding, A.
+    pub fn current(&self, state: &State<S, N>) -> S {
+        state.current.times(self.units.current)
+    }
+
+    /// What the current sensor shows, A.
+    pub fn measured_current(&self, state: &State<S, N>) -> S {
+        self.effects.measured_current(state.current).times(self.units.current)
+    }
+
+    /// Speed of a mass as it is felt at the motor, rad/s; zero for a mass that is not there.
+    pub fn speed(&self, state: &State<S, N>, mass: usize) -> S {
+        self.mass(state, mass).map_or(S::ZERO, |mass| mass.speed.times(self.units.speed))
+    }
+
+    /// Bristle torque of a mass over its Coulomb level, ζ = σ0 z / α0.
+    pub fn bristle(&self, state: &State<S, N>, mass: usize) -> S {
+        self.mass(state, mass).map_or(S::ZERO, |mass| mass.bristle.zeta)
+    }
+
+    /// Deflection of a stage's spring as it is felt at the motor, rad; stages count from 0.
+    pub fn deflection(&self, state: &State<S, N>, stage: usize) -> S {
+        state.stages.get(stage).map_or(S::ZERO, |s| s.deflection.times(self.units.angle))
+    }
+
+    fn mass<'a>(&self, state: &'a State<S, N>, mass: usize) -> Option<&'a Mass<S>> {
+        match mass.checked_sub(1) {
+            None => Some(&state.rotor),
+            Some(k) => state.stages.get(k).map(|stage| &stage.mass),
+        }
+    }
+}
+
+/// Weights of the kicks of the fourth-order splitting.
+pub(crate) const OUTER: f64 = 1.0 / 6.0;
+pub(crate) const MIDDLE: f64 = 2.0 / 3.0;
+
+/// How many micro-steps a step of `step_s` seconds needs.
+///
+/// The fastest mode of the chain, with every spring at its tangent under twice the breakaway torque
+/// and every bristle stuck, must turn by at most 1.6 rad in a micro-step, where the splitting's
+/// frequency error is 0.2 %; and no mass may lose more than half its speed to damping in the
+/// middle kick.
+pub fn micro_steps(motor: &Motor, stages: &[Stage], load: &Load, step_s: f64) -> u32 {
+    const LARGEST_PHASE: f64 = 1.6;
+    let bases = Bases::si(motor, stages);
+    let breakaway: f64 = (0..=stages.len()).map(|mass| bases.breakaway(mass)).sum();
+    let inertia = |mass| reflected_inertia(motor, stages, load, mass);
+    let spring = |mass: usize| {
+        mass.checked_sub(1).and_then(|k| stages.get(k)).map_or(0.0, |stage| {
+            let shaft = bases.shaft(mass);
+            tangent(stage, 2.0 * breakaway / libm::fabs(shaft)) * shaft * shaft
+        })
+    };
+    // Gershgorin's rows of M^-1 (K + diag σ0) with the couplings symmetrised bound the mode.
+    let mut fastest: f64 = 0.0;
+    let mut damping: f64 = 0.0;
+    for mass in 0..=stages.len() {
+        let friction = bases.friction(mass);
+        let square = bases.shaft(mass) * bases.shaft(mass);
+        let (own, before, after) = (inertia(mass), spring(mass), spring(mass + 1));
+        let mut row = (friction.sigma0_nm_per_rad * square + before + after) / own;
+        if mass > 0 {
+            row += before / libm::sqrt(own * inertia(mass - 1));
+        }
+        if mass < stages.len() {
+            row += after / libm::sqrt(own * inertia(mass + 1));
+        }
+        fastest = fastest.max(row);
+        let loss = 2.0 * friction.sigma1_nm_s_per_rad + friction.sigma2_nm_s_per_rad;
+        damping = damping.max(loss * square / own);
+    }
+    let by_mode = libm::ceil(step_s * libm::sqrt(fastest) / LARGEST_PHASE);
+    let by_damping = libm::ceil(step_s * damping * MIDDLE);
+    by_mode.max(by_damping).clamp(1.0, f64::from(MAX_MICRO_STEPS)) as u32
+}
+
+/// Tangent stiffness of a stage's spring under a torque, Nm/rad.
+fn tangent(stage: &Stage, torque: f64) -> f64 {
+    let (k1, k3) = (stage.stiffness_nm_per_rad, stage.cubic_stiffness_nm_per_rad3);
+    let mut x = torque / k1;
+    for _ in 0..20 {
+        x -= (k1 * x + k3 * x * x * x - torque) / (k1 + 3.0 * k3 * x * x);
+    }
+    k1 + 3.0 * k3 * x * x
+}

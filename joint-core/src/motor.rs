@@ -1,0 +1,98 @@
+//! The DC-equivalent motor, equation (10), solved together with the rotor over one kick.
+//!
+//! On the flat parts of the back-EMF the two conducting phases in series obey
+//! `u = 2R i + 2L di/dt + 2 k_e ω`, and power balance makes `k_t = 2 k_e`. The current relaxes up
+//! to 10⁶ times a second, so it is carried exactly at constant voltage and linearly changing speed;
+//! the rotor takes the impulse of that current, implicitly in its own new speed.
+
+use crate::params::Motor;
+use crate::scalar::Scalar;
+
+/// Which quantity the drive imposes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// The voltage on the two conducting phases; the current follows.
+    Voltage,
+    /// The current itself, as in a drive in torque mode.
+    Current,
+}
+
+/// Constants of one kick of the rotor and its winding, per-unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub(crate) struct RotorKick<S: Scalar> {
+    /// τ/D: speed per torque.
+    per_torque: S::Gain,
+    /// k_t I/D: speed per current above its final value.
+    per_excess: S::Gain,
+    /// k_t τ/D: speed per final current.
+    per_drive: S::Gain,
+    /// K/D: share of the speed that the induced current takes.
+    induced: S::Gain,
+    /// E = exp(−τ R/L).
+    decay: S::Gain,
+    /// 1 − E.
+    approach: S,
+    after: S::Gain,
+    before: S::Gain,
+}
+
+impl<S: Scalar> RotorKick<S> {
+    /// A kick of `duration` seconds on a rotor of `inertia` kg m²; units are those at the motor.
+    pub(crate) fn new(
+        motor: &Motor,
+        drive: Drive,
+        inertia: f64,
+        duration: f64,
+        [torque, speed, current]: [f64; 3],
+    ) -> Self {
+        let constant = motor.torque_constant_nm_per_a;
+        let resistance = 2.0 * motor.phase_resistance_ohm;
+        let (decay, integral, braking, after, before) = match drive {
+            Drive::Current => (0.0, 0.0, 0.0, 0.0, 0.0),
+            Drive::Voltage => {
+                let lag = motor.phase_inductance_h / motor.phase_resistance_ohm;
+                let decay = if lag > 0.0 { libm::exp(-duration / lag) } else { 0.0 };
+                let mean = (1.0 - decay) * lag / duration;
+                let integral = (1.0 - decay) * lag;
+                let braking = constant * constant * (duration - integral) / resistance;
+                let induced = constant / resistance;
+                (decay, integral, braking, induced * (1.0 - mean), induced * (decay - mean))
+            }
+        };
+        let effective = inertia + braking / 2.0;
+        Self {
+            per_torque: S::gain(duration / effective * torque / speed),
+            per_excess: S::gain(constant * integral / effective * current / speed),
+            per_drive: S::gain(constant * duration / effective * current / speed),
+            induced: S::gain(braking / effective),
+            decay: S::gain(decay),
+            approach: S::from_f64(1.0 - decay),
+            after: S::gain(after * speed / current),
+            before: S::gain(before * speed / current),
+        }
+    }
+
+    /// Share of a voltage held over the kick that the current has followed at its end.
+    #[inline]
+    pub(crate) fn approach(&self) -> S {
+        self.approach
+    }
+
+    /// New speed and current after the kick: `force` is the torque on the rotor beside the motor's,
+    /// `damping` its torque per speed, `drive` the final current of the held voltage.
+    #[inline]
+    pub(crate) fn apply(&self, speed: S, current: S, force: S, damping: S, drive: S) -> (S, S) {
+        let excess = current - drive;
+        let gained = (force - damping * speed).times(self.per_torque)
+            + excess.times(self.per_excess)
+            + drive.times(self.per_drive)
+            - speed.times(self.induced);
+        let x = damping.times(self.per_torque) * S::HALF;
+        let new = speed + gained * (S::ONE - x + x * x);
+        let current =
+            drive + excess.times(self.decay) - new.times(self.after) + speed.times(self.before);
+        (new, current)
+    }
+}

@@ -1,0 +1,297 @@
+//! The number that the joint is computed in.
+//!
+//! The step is written once against this trait. What separates it from a float trait is
+//! [`Scalar::Gain`]: every constant of the model multiplies a state through [`Scalar::times`], so a
+//! fixed-point format can keep its states in one range and give each constant its own exponent.
+//! [`Scalar::over`] divides only by numbers of one or more, and angles that only matter modulo a
+//! turn are kept in turns, which wrap for free in fixed point.
+
+use core::fmt::Debug;
+use core::ops::{Add, Mul, Neg, Sub};
+
+/// What travels in a parameter block. Without the feature `serde` it asks for nothing.
+#[cfg(feature = "serde")]
+pub trait Wire: serde::Serialize + serde::de::DeserializeOwned {}
+#[cfg(feature = "serde")]
+impl<T: serde::Serialize + serde::de::DeserializeOwned> Wire for T {}
+/// What travels in a parameter block. Without the feature `serde` it asks for nothing.
+#[cfg(not(feature = "serde"))]
+pub trait Wire {}
+#[cfg(not(feature = "serde"))]
+impl<T> Wire for T {}
+
+/// A number for states, and the constants that multiply it.
+pub trait Scalar:
+    Copy
+    + Wire
+    + Debug
+    + Default
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// A constant of the model; a float is its own gain.
+    type Gain: Copy + Debug + Default + PartialEq + Wire + 'static;
+
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// One half.
+    const HALF: Self;
+    /// Eight: the largest ratio of a speed to the Stribeck velocity that is told from infinity.
+    const EIGHT: Self;
+
+    /// A constant from its exact value.
+    fn gain(value: f64) -> Self::Gain;
+    /// A state from its exact value; not for the hot path.
+    fn from_f64(value: f64) -> Self;
+    /// The state's value; not for the hot path.
+    fn to_f64(self) -> f64;
+    /// Product with a constant.
+    fn times(self, gain: Self::Gain) -> Self;
+    /// Quotient by a positive number that the dividend does not exceed; not for the plain step.
+    fn ratio(self, at_least_self: Self) -> Self;
+    /// Quotient by a number of one or more.
+    fn over(self, at_least_one: Self) -> Self;
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// `exp(−x)` for `x ≥ 0`; relative error below 5e-6 (f32) and 1e-10 (f64).
+    fn exp_minus(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Sine of an angle in turns, for |turns| ≤ ½; absolute error below 1e-6.
+    fn sin_turns(self) -> Self;
+    /// The part of `whole · whole_ratio + part · ratio` between −½ and ½ turn.
+    fn wrapped_turns(whole: i32, whole_ratio: Self::Gain, part: Self, ratio: Self::Gain) -> Self;
+
+    /// Cosine of an angle in turns, for |turns| ≤ ½.
+    fn cos_turns(self) -> Self {
+        let quarter = Self::HALF * Self::HALF;
+        let shifted = self + quarter;
+        (if shifted > Self::HALF { shifted - Self::ONE } else { shifted }).sin_turns()
+    }
+
+    /// The number kept between `−limit` and `limit`.
+    fn clamped(self, limit: Self) -> Self {
+        if self > limit {
+            limit
+        } else if self < -limit {
+            -limit
+        } else {
+            self
+        }
+    }
+}
+
+/// Folds an angle of |turns| ≤ ½ onto the quarter where the sine polynomial holds.
+macro_rules! sine {
+    ($turns:expr, $t:ty, $($c:expr),+) => {{
+        let x: $t = $turns;
+        let x = if x > 0.25 { 0.5 - x } else if x < -0.25 { -0.5 - x } else { x };
+        let square = x * x;
+        let mut sum: $t = 0.0;
+        $( sum = sum * square + $c; )+
+        sum * x
+    }};
+}
+
+macro_rules! horner {
+    ($x:expr, $t:ty, $($c:expr),+) => {{
+        let x: $t = $x;
+        let mut sum: $t = 0.0;
+        $( sum = sum * x + $c; )+
+        sum
+    }};
+}
+
+impl Scalar for f32 {
+    type Gain = f32;
+
+    const ZERO: f32 = 0.0;
+    const ONE: f32 = 1.0;
+    const HALF: f32 = 0.5;
+    const EIGHT: f32 = 8.0;
+
+    fn gain(value: f64) -> f32 {
+        value as f32
+    }
+    fn from_f64(value: f64) -> f32 {
+        value as f32
+    }
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline(always)]
+    fn times(self, gain: f32) -> f32 {
+        self * gain
+    }
+    #[inline(always)]
+    fn ratio(self, at_least_self: f32) -> f32 {
+        self / at_least_self
+    }
+    #[inline(always)]
+    fn over(self, at_least_one: f32) -> f32 {
+        self / at_least_one
+    }
+    #[inline(always)]
+    fn abs(self) -> f32 {
+        f32::abs(self)
+    }
+    #[inline(always)]
+    fn exp_minus(self) -> f32 {
+        let power = self * core::f32::consts::LOG2_E;
+        if power >= 126.0 {
+            return 0.0;
+        }
+        let whole = power as i32;
+        let part = power - whole as f32;
+        let mantissa = horner!(
+            part,
+            f32,
+            0.006_848_824,
+            -0.053_240_493,
+            0.239_447_74,
+            -0.693_052_4,
+            0.999_998_15
+        );
+        mantissa * f32::from_bits(((127 - whole) as u32) << 23)
+    }
+    fn tanh(self) -> f32 {
+        libm::tanhf(self)
+    }
+    #[inline]
+    fn sin_turns(self) -> f32 {
+        sine!(self, f32, -70.994_53, 81.340_88, -41.337_147, 6.283_164)
+    }
+    #[inline]
+    fn wrapped_turns(whole: i32, whole_ratio: f32, part: f32, ratio: f32) -> f32 {
+        let turns = whole as f32 * whole_ratio + part * ratio;
+        let nearest = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
+        turns - nearest as f32
+    }
+}
+
+impl Scalar for f64 {
+    type Gain = f64;
+
+    const ZERO: f64 = 0.0;
+    const ONE: f64 = 1.0;
+    const HALF: f64 = 0.5;
+    const EIGHT: f64 = 8.0;
+
+    fn gain(value: f64) -> f64 {
+        value
+    }
+    fn from_f64(value: f64) -> f64 {
+        value
+    }
+    fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn times(self, gain: f64) -> f64 {
+        self * gain
+    }
+    #[inline(always)]
+    fn ratio(self, at_least_self: f64) -> f64 {
+        self / at_least_self
+    }
+    #[inline(always)]
+    fn over(self, at_least_one: f64) -> f64 {
+        self / at_least_one
+    }
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn exp_minus(self) -> f64 {
+        let power = self * core::f64::consts::LOG2_E;
+        if power >= 1022.0 {
+            return 0.0;
+        }
+        let whole = power as i32;
+        let part = power - f64::from(whole);
+        let mantissa = horner!(
+            part,
+            f64,
+            -1.083_036_970_248_301_6e-5,
+            0.000_147_293_815_700_777_48,
+            -0.001_327_837_364_900_122,
+            0.009_615_595_597_091_18,
+            -0.055_503_473_283_022_1,
+            0.240_226_428_467_964_8,
+            -0.693_147_176_860_134_2,
+            0.999_999_999_971_375_5
+        );
+        mantissa * f64::from_bits(((1023 - whole) as u64) << 52)
+    }
+    fn tanh(self) -> f64 {
+        libm::tanh(self)
+    }
+    #[inline]
+    fn sin_turns(self) -> f64 {
+        sine!(
+            self,
+            f64,
+            -14.337_053_119_390_218,
+            41.999_994_832_978_87,
+            -76.703_668_145_360_13,
+            81.605_209_439_816_5,
+            -41.341_701_929_869_66,
+            6.283_185_306_487_804
+        )
+    }
+    #[inline]
+    fn wrapped_turns(whole: i32, whole_ratio: f64, part: f64, ratio: f64) -> f64 {
+        let turns = f64::from(whole) * whole_ratio + part * ratio;
+        let nearest = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
+        turns - f64::from(nearest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweep(low: f64, high: f64) -> impl Iterator<Item = f64> {
+        (0..=4000).map(move |k| low + (high - low) * f64::from(k) / 4000.0)
+    }
+
+    #[test]
+    fn exp_minus_keeps_its_stated_relative_error() {
+        for x in sweep(0.0, 40.0) {
+            let exact = (-x).exp();
+            assert!((x.exp_minus() / exact - 1.0).abs() < 1e-10, "f64 at {x}");
+            // The polynomial's 1.9e-6 counts double where 2^-f is near a half; f32 adds the rounding
+            // of the product with log2 e.
+            let bound = 4e-6 + x * 1.2e-7;
+            let exact = (-f64::from(x as f32)).exp();
+            assert!((f64::from((x as f32).exp_minus()) / exact - 1.0).abs() < bound, "f32 at {x}");
+        }
+        assert_eq!(200.0_f32.exp_minus(), 0.0);
+    }
+
+    #[test]
+    fn sine_and_cosine_of_turns_keep_their_stated_error() {
+        for turns in sweep(-0.5, 0.5) {
+            let angle = turns * core::f64::consts::TAU;
+            assert!((turns.sin_turns() - angle.sin()).abs() < 1e-9);
+            assert!((turns.cos_turns() - angle.cos()).abs() < 1e-9);
+            assert!((f64::from((turns as f32).sin_turns()) - angle.sin()).abs() < 1e-6);
+            assert!((f64::from((turns as f32).cos_turns()) - angle.cos()).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn turns_wrap_to_the_nearest_whole_turn_in_both_directions() {
+        assert!((f64::wrapped_turns(10, 0.1, 0.25, 0.1) - 0.025).abs() < 1e-12);
+        assert!((f64::wrapped_turns(-10, 0.1, -0.25, 0.1) + 0.025).abs() < 1e-12);
+        let ratio = 1.0 / 1024.0;
+        assert!((f32::wrapped_turns(1000, ratio, 0.0, ratio) + 24.0 / 1024.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,217 @@
+//! The step: a forward fourth-order splitting with closed flows for what is stiff.
+//!
+//! Chin's 4A: kick ⅙, drift ½, kick ⅔ with a force gradient, drift ½, kick ⅙ (Chin, "Symplectic
+//! integrators from composite operator factorizations", 1997). The chain itself is not stiff at a
+//! drive's step; what is, the bristles and the current, are scalars carried by their own closed
+//! flows ([`crate::friction`], [`crate::motor`]). Implicit schemes would damp and shift the chain's
+//! fastest mode; this keeps its frequency to 0.2 % at 1.6 rad a micro-step. Every micro-step does
+//! the same operations whatever the data.
+
+use crate::angle::Angle;
+use crate::effect::{Effects, Motion};
+use crate::joint::{Input, Joint, State};
+use crate::scalar::Scalar;
+
+/// How the forces change with the angles, at the middle of a micro-step.
+struct Gradient<S, const N: usize> {
+    /// Bristle stiffness σ0 χ and minus the slope of torque effects, on the rotor and each mass.
+    rotor: S,
+    masses: [S; N],
+    /// Tangent stiffness of each spring.
+    springs: [S; N],
+    /// One where the spring is in contact, for its damper.
+    contact: [S; N],
+}
+
+impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
+    /// Advances the state by one step under an input that is held over it.
+    #[inline]
+    pub fn step(&self, state: &mut State<S, N>, input: Input<S>) {
+        for _ in 0..self.micro_steps {
+            self.micro_step(state, input);
+        }
+    }
+
+    #[inline]
+    fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
+        self.kick::<0>(state, input);
+        let first = state.rotor.speed;
+        self.half_drift(state);
+        let ahead =
+            if E::TORQUES { state.angle.ahead(first.times(self.half_turn)) } else { state.angle };
+        let gradient = self.forces(state, ahead);
+        self.correct(state, input, &gradient);
+        self.damp(state, &gradient);
+        self.kick::<1>(state, input);
+        self.damp(state, &gradient);
+        self.half_drift(state);
+        state.angle.advance((first + state.rotor.speed).times(self.half_turn));
+        self.forces(state, state.angle);
+        self.kick::<0>(state, input);
+    }
+
+    /// Computes what the state caches: after a speed, an angle, a deflection or a bristle was set
+    /// from outside.
+    pub fn refresh(&self, state: &mut State<S, N>) {
+        let transmitted = self.transmitted(state);
+        let level = self.effects.inverse_level(0, state.rotor.speed, state.current);
+        state.rotor.bristle.rho = self.rotor.rho(state.rotor.speed) * level;
+        let mut mass = 0;
+        for ((stage, own), torque) in state.stages.iter_mut().zip(&self.stages).zip(transmitted) {
+            mass += 1;
+            let speed = stage.mass.speed;
+            let level = self.effects.inverse_level(mass, speed, torque);
+            stage.mass.bristle.rho = own.friction.rho(speed) * level;
+        }
+        self.forces(state, state.angle);
+    }
+
+    /// Spring torque of every stage, for effects that follow it.
+    #[inline]
+    fn transmitted(&self, state: &State<S, N>) -> [S; N] {
+        let mut torques = [S::ZERO; N];
+        if E::LEVELS {
+            let stages = state.stages.iter().zip(&self.stages);
+            for ((torque, (stage, own)), number) in torques.iter_mut().zip(stages).zip(0..N) {
+                *torque = own.spring.torque(self.effects.deflection(number, stage.deflection).0);
+            }
+        }
+        torques
+    }
+
+    /// Deflections and bristles over half a micro-step at constant speed.
+    #[inline]
+    fn half_drift(&self, state: &mut State<S, N>) {
+        let mut before = state.rotor.speed;
+        for stage in &mut state.stages {
+            let after = stage.mass.speed;
+            stage.deflection = stage.deflection + (before - after).times(self.half_drift);
+            before = after;
+        }
+        let transmitted = self.transmitted(state);
+        let speed = state.rotor.speed;
+        let level = self.effects.inverse_level(0, speed, state.current);
+        self.rotor.flow(&mut state.rotor.bristle, speed, level);
+        let mut mass = 0;
+        for ((stage, own), torque) in state.stages.iter_mut().zip(&self.stages).zip(transmitted) {
+            mass += 1;
+            let speed = stage.mass.speed;
+            let level = self.effects.inverse_level(mass, speed, torque);
+            own.friction.flow(&mut stage.mass.bristle, speed, level);
+        }
+    }
+
+    /// Forces and damping of every mass, but for the load and the motor; and how they change.
+    #[inline]
+    fn forces(&self, state: &mut State<S, N>, angle: Angle<S>) -> Gradient<S, N> {
+        let mut gradient = Gradient {
+            rotor: S::ZERO,
+            masses: [S::ZERO; N],
+            springs: [S::ZERO; N],
+            contact: [S::ONE; N],
+        };
+        let rotor = &mut state.rotor;
+        let bending = self.rotor.bending(&rotor.bristle, rotor.speed);
+        rotor.force = -self.rotor.torque(&rotor.bristle);
+        rotor.damping = self.rotor.damping(bending, self.effects.viscous(0, rotor.speed));
+        gradient.rotor = self.rotor.slope(bending);
+        if E::TORQUES {
+            let torque = self.effects.torque(0, Motion { angle, speed: rotor.speed });
+            rotor.force = rotor.force + torque.value;
+            gradient.rotor = gradient.rotor - torque.slope;
+        }
+
+        let mut wound = S::ZERO;
+        let mut number = 0;
+        let mut before = &mut rotor.force;
+        let slopes = gradient.springs.iter_mut().zip(&mut gradient.contact);
+        let rows = slopes.zip(&mut gradient.masses);
+        for (((stage, own), number_of), ((slope, contact), mass_slope)) in
+            state.stages.iter_mut().zip(&self.stages).zip(0..N).zip(rows)
+        {
+            number += 1;
+            let (felt, touching) = self.effects.deflection(number_of, stage.deflection);
+            let torque = own.spring.torque(felt);
+            *slope = own.spring.slope(felt) * touching;
+            *contact = touching;
+            *before = *before - torque;
+            let mass = &mut stage.mass;
+            let bending = own.friction.bending(&mass.bristle, mass.speed);
+            mass.force = torque - own.friction.torque(&mass.bristle);
+            mass.damping = own.friction.damping(bending, self.effects.viscous(number, mass.speed));
+            *mass_slope = own.friction.slope(bending);
+            if E::TORQUES {
+                wound = wound + stage.deflection;
+                let part = own.shaft.of(angle.ahead(-wound.times(self.turns)));
+                let at = Motion { angle: Angle { part, ..Angle::default() }, speed: mass.speed };
+                let torque = self.effects.torque(number, at);
+                mass.force = mass.force + torque.value;
+                *mass_slope = *mass_slope - torque.slope;
+            }
+            before = &mut mass.force;
+        }
+        gradient
+    }
+
+    /// Adds the force gradient `h²/24 · ∂f/∂q · M⁻¹ f` to the forces of the middle kick.
+    #[inline]
+    fn correct(&self, state: &mut State<S, N>, input: Input<S>, gradient: &Gradient<S, N>) {
+        let motor = state.current;
+        let unloaded = if N == 0 { state.rotor.force - input.load } else { state.rotor.force };
+        let moved = (unloaded + motor).times(self.rotor_gamma);
+        state.rotor.force = state.rotor.force - gradient.rotor * moved;
+        let mut before = (&mut state.rotor.force, moved);
+        let slopes = gradient.springs.iter().zip(&gradient.masses);
+        for (((stage, own), number), (spring, mass_slope)) in
+            state.stages.iter_mut().zip(&self.stages).zip(1..=N).zip(slopes)
+        {
+            let force = &mut stage.mass.force;
+            let loaded = if number == N { *force - input.load } else { *force };
+            let moved = loaded.times(own.gamma);
+            let exchanged = *spring * (before.1 - moved);
+            *before.0 = *before.0 - exchanged;
+            *force = *force + exchanged - *mass_slope * moved;
+            before = (force, moved);
+        }
+    }
+
+    /// Lets the springs' dampers act for half a micro-step.
+    #[inline]
+    fn damp(&self, state: &mut State<S, N>, gradient: &Gradient<S, N>) {
+        let mut before = &mut state.rotor.speed;
+        for ((stage, own), contact) in
+            state.stages.iter_mut().zip(&self.stages).zip(&gradient.contact)
+        {
+            if *contact > S::ZERO {
+                own.spring.damp(before, &mut stage.mass.speed);
+            }
+            before = &mut stage.mass.speed;
+        }
+    }
+
+    /// Speeds and current over one kick: `WHICH` is 0 for the outer, 1 for the middle one.
+    #[inline]
+    fn kick<const WHICH: usize>(&self, state: &mut State<S, N>, input: Input<S>) {
+        let kick = if WHICH == 0 { &self.outer } else { &self.middle };
+        let rotor = &mut state.rotor;
+        let force = if N == 0 { rotor.force - input.load } else { rotor.force };
+        let mut drive = input.drive;
+        let apply = |drive| kick.apply(rotor.speed, state.current, force, rotor.damping, drive);
+        if E::DROPS {
+            let (_, free) = apply(drive);
+            drive = drive - self.effects.voltage_drop(free, kick.approach());
+        }
+        let (speed, current) = apply(drive);
+        rotor.speed = speed;
+        state.current = current;
+        for ((stage, own), number) in state.stages.iter_mut().zip(&self.stages).zip(1..=N) {
+            let mass = &mut stage.mass;
+            let force = if number == N { mass.force - input.load } else { mass.force };
+            let [outer, middle] = own.mobility;
+            let mobility = if WHICH == 0 { outer } else { middle };
+            let x = mass.damping.times(mobility) * S::HALF;
+            let gained = (force - mass.damping * mass.speed).times(mobility);
+            mass.speed = mass.speed + gained * (S::ONE - x + x * x);
+        }
+    }
+}
