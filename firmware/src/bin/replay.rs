@@ -1,0 +1,65 @@
+//! `replay PARAMETERS LOG STATES`: steps the f32 joint through a log, by the chip's instructions.
+//!
+//! It reads the parameter block and the log by semihosting, writes one row of states for each
+//! sample and prints KEY=value lines. The rows must equal the host's f32 run to the bit.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod on_board {
+    use firmware::block::{Block, BlockError};
+    use firmware::board::{self, Access, Failure, Sink};
+    use firmware::replay::{ReplayedJoint, steps};
+    use firmware::samples::{BLOCK_SAMPLES, SAMPLE_BYTES, samples};
+    use semihosting::println;
+
+    /// Most bytes of a parameter block.
+    const BLOCK_BYTES: usize = 2048;
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        board::finish(load())
+    }
+
+    fn load() -> Result<(), Failure> {
+        let mut bytes = [0; BLOCK_BYTES];
+        let mut file = board::open(1, "parameters", Access::Read)?;
+        let block = Block::check(board::fill(&mut file, "parameters", &mut bytes)?)?;
+        println!("parameters_crc32={:08x}", block.crc);
+        println!("stages={}", block.stages);
+        match block.stages {
+            0 => replay::<0>(&block),
+            1 => replay::<1>(&block),
+            2 => replay::<2>(&block),
+            3 => replay::<3>(&block),
+            more => Err(BlockError::Stages(more).into()),
+        }
+    }
+
+    fn replay<const N: usize>(block: &Block<'_>) -> Result<(), Failure> {
+        let joint: ReplayedJoint<N> = block.decode()?;
+        let mut state = joint.rest();
+        let mut log = board::open(2, "log", Access::Read)?;
+        let mut states = Sink::new(board::open(3, "states", Access::Write)?, "states");
+        let mut chunk = [0; BLOCK_SAMPLES * SAMPLE_BYTES];
+        let mut count = 0;
+        loop {
+            let bytes = board::fill(&mut log, "log", &mut chunk)?;
+            let put = |number: f32| states.put(number.to_le_bytes());
+            steps(&joint, &mut state, samples(bytes), put)?;
+            count += bytes.len() / SAMPLE_BYTES;
+            if bytes.len() < BLOCK_SAMPLES * SAMPLE_BYTES {
+                break;
+            }
+        }
+        states.flush()?;
+        println!("samples={count}");
+        println!("states_crc32={:08x}", states.checksum());
+        Ok(())
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("replay runs on a board: build it for thumbv7em-none-eabihf");
+}

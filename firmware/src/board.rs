@@ -1,0 +1,217 @@
+//! The emulated board: arguments, files, exit codes, and a counter of instructions.
+//!
+//! Everything goes through semihosting, which every board in QEMU has; no HAL, no clock set-up.
+//! This is the one module of the workspace with `unsafe` in it, for the registers of one timer and
+//! for the fault handler's signature.
+#![allow(unsafe_code)]
+
+use core::ffi::CStr;
+use core::sync::atomic::{Ordering, compiler_fence};
+
+use semihosting::fs::File;
+use semihosting::io::{self, Read, Write};
+use semihosting::{eprintln, process};
+
+use crate::block::BlockError;
+use crate::samples::Checksum;
+
+/// Longest command line, and longest file name in it.
+pub const ARGUMENT_BYTES: usize = 256;
+
+/// Ends the program with 0, or says what went wrong and ends it with 1.
+pub fn finish(result: Result<(), Failure>) -> ! {
+    match result {
+        Ok(()) => process::exit(0),
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            process::exit(1)
+        }
+    }
+}
+
+/// What a program on the board can fail with.
+#[derive(Debug)]
+pub enum Failure {
+    /// The command line lacks this argument.
+    Argument(&'static str),
+    /// A file could not be opened, read or written.
+    Io(&'static str, io::Error),
+    /// The parameter block is refused.
+    Block(BlockError),
+}
+
+impl core::fmt::Display for Failure {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Failure::Argument(name) => write!(f, "missing argument: {name}"),
+            Failure::Io(name, error) => write!(f, "{name}: {error:?}"),
+            Failure::Block(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl From<BlockError> for Failure {
+    fn from(error: BlockError) -> Self {
+        Failure::Block(error)
+    }
+}
+
+/// Opens the file that stands at this place of the command line (the program's name is 0).
+///
+/// # Errors
+/// The argument is missing or too long, or the host refuses the file.
+pub fn open(place: usize, name: &'static str, access: Access) -> Result<File, Failure> {
+    let missing = Failure::Argument(name);
+    let args = semihosting::experimental::env::args::<ARGUMENT_BYTES>()
+        .map_err(|error| Failure::Io("command line", error))?;
+    let Some(Ok(path)) = (&args).nth(place) else { return Err(missing) };
+    let mut text = [0; ARGUMENT_BYTES + 1];
+    let Some(target) = text.get_mut(..path.len()) else { return Err(missing) };
+    target.copy_from_slice(path.as_bytes());
+    let Ok(path) = CStr::from_bytes_until_nul(&text) else { return Err(missing) };
+    let file = match access {
+        Access::Read => File::open(path),
+        Access::Write => File::create(path),
+    };
+    file.map_err(|error| Failure::Io(name, error))
+}
+
+/// What a file is opened for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// To read from its start.
+    Read,
+    /// To write anew.
+    Write,
+}
+
+/// Fills the buffer as far as the file goes and returns what was read.
+///
+/// # Errors
+/// The host could not read.
+pub fn fill<'a>(
+    file: &mut File,
+    name: &'static str,
+    buffer: &'a mut [u8],
+) -> Result<&'a [u8], Failure> {
+    let mut length = 0;
+    while let Some(rest) = buffer.get_mut(length..).filter(|rest| !rest.is_empty()) {
+        match file.read(rest).map_err(|error| Failure::Io(name, error))? {
+            0 => break,
+            read => length += read,
+        }
+    }
+    Ok(buffer.get(..length).unwrap_or_default())
+}
+
+/// A file written through a buffer, with the checksum of all that went into it.
+#[derive(Debug)]
+pub struct Sink {
+    file: File,
+    name: &'static str,
+    buffer: [u8; 2048],
+    length: usize,
+    checksum: Checksum,
+}
+
+impl Sink {
+    /// Writes into this file; `name` stands in error messages.
+    pub fn new(file: File, name: &'static str) -> Self {
+        Self { file, name, buffer: [0; 2048], length: 0, checksum: Checksum::default() }
+    }
+
+    /// Adds a word.
+    ///
+    /// # Errors
+    /// The host could not write.
+    pub fn put(&mut self, word: [u8; 4]) -> Result<(), Failure> {
+        if self.length + word.len() > self.buffer.len() {
+            self.flush()?;
+        }
+        if let Some(free) = self.buffer.get_mut(self.length..self.length + word.len()) {
+            free.copy_from_slice(&word);
+            self.length += word.len();
+        }
+        Ok(())
+    }
+
+    /// Writes what is buffered; to be called once more at the end.
+    ///
+    /// # Errors
+    /// The host could not write.
+    pub fn flush(&mut self) -> Result<(), Failure> {
+        let full = self.buffer.get(..self.length).unwrap_or_default();
+        self.file.write_all(full).map_err(|error| Failure::Io(self.name, error))?;
+        self.checksum.update(full);
+        self.length = 0;
+        Ok(())
+    }
+
+    /// CRC-32 of what was flushed.
+    pub fn checksum(&self) -> u32 {
+        self.checksum.value()
+    }
+}
+
+/// Counts executed instructions by TIM2 of the netduinoplus2.
+///
+/// With `-icount shift=0,sleep=off` QEMU advances its clock by 1 ns per instruction and clocks this
+/// timer at 1 GHz: one tick is one instruction, the same on every run. On silicon it would count
+/// cycles of another clock and means nothing.
+#[derive(Debug)]
+pub struct InstructionCounter {
+    empty: u32,
+}
+
+impl InstructionCounter {
+    const CR1: *mut u32 = 0x4000_0000 as *mut u32;
+    const CNT: *const u32 = 0x4000_0024 as *const u32;
+    const ARR: *mut u32 = 0x4000_002c as *mut u32;
+
+    /// Starts the timer and measures what the counting itself costs.
+    pub fn start() -> Self {
+        // SAFETY: the registers exist on this board, nobody else uses TIM2, and the writes touch
+        // no memory: full period, then the enable bit.
+        unsafe {
+            Self::ARR.write_volatile(u32::MAX);
+            Self::CR1.write_volatile(1);
+        }
+        let mut counter = Self { empty: 0 };
+        counter.empty = counter.measure(|| ()).1;
+        counter
+    }
+
+    /// Runs `work` and returns its result with the instructions executed in it, the call included
+    /// where it was not inlined.
+    #[inline(always)]
+    pub fn measure<T>(&self, work: impl FnOnce() -> T) -> (T, u32) {
+        let before = Self::now();
+        let result = core::hint::black_box(work());
+        let after = Self::now();
+        (result, after.wrapping_sub(before).wrapping_sub(self.empty))
+    }
+
+    #[inline(always)]
+    fn now() -> u32 {
+        compiler_fence(Ordering::SeqCst);
+        // SAFETY: a read of the counter register, which exists on this board and has no effect.
+        let now = unsafe { Self::CNT.read_volatile() };
+        compiler_fence(Ordering::SeqCst);
+        now
+    }
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    eprintln!("{info}");
+    process::exit(101)
+}
+
+/// Ends the run instead of hanging it.
+///
+/// SAFETY: `unsafe` is the signature that the runtime asks for; the handler only reads the frame.
+#[cortex_m_rt::exception]
+unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+    eprintln!("hard fault at {:#010x}", frame.pc());
+    process::exit(134)
+}

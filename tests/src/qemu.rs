@@ -1,0 +1,171 @@
+//! Firmware on emulated boards: build it, run it, read what it printed.
+//!
+//! The firmware is built by cargo into a target folder of its own, so a test run never waits for
+//! the lock it holds itself. A program lands in the same place for every memory map; each is copied
+//! aside under a file lock, since tests run in parallel.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+use std::thread;
+use std::time::{Duration, Instant};
+
+const QEMU: &str = "qemu-system-arm";
+const TARGET: &str = "thumbv7em-none-eabihf";
+const PROGRAMS: [&str; 2] = ["replay", "count"];
+const TIME_LIMIT: Duration = Duration::from_secs(120);
+
+/// An emulated board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Board {
+    /// STM32F405, Cortex-M4F; the only one that counts instructions.
+    NetduinoPlus2,
+    /// MPS2 with a Cortex-M4F.
+    Mps2An386,
+    /// MPS2 with a Cortex-M7.
+    Mps2An500,
+}
+
+impl Board {
+    /// Every board.
+    pub const ALL: [Board; 3] = [Board::NetduinoPlus2, Board::Mps2An386, Board::Mps2An500];
+
+    /// Its name in QEMU.
+    pub fn machine(self) -> &'static str {
+        match self {
+            Board::NetduinoPlus2 => "netduinoplus2",
+            Board::Mps2An386 => "mps2-an386",
+            Board::Mps2An500 => "mps2-an500",
+        }
+    }
+}
+
+/// What a program left behind.
+#[derive(Debug)]
+pub struct Run {
+    /// Its standard output.
+    pub stdout: String,
+    /// Its standard error, and QEMU's.
+    pub stderr: String,
+    /// Its exit code.
+    pub code: Option<i32>,
+}
+
+impl Run {
+    /// The value of a `key=value` line.
+    ///
+    /// # Panics
+    /// There is no such line.
+    pub fn value(&self, key: &str) -> &str {
+        let mut lines = self.stdout.lines().filter_map(|line| line.split_once('='));
+        match lines.find(|(found, _)| *found == key) {
+            Some((_, value)) => value,
+            None => panic!("no line {key}=… in {self:?}"),
+        }
+    }
+}
+
+/// Whether the emulator is there; otherwise `test` is to be skipped.
+///
+/// # Panics
+/// It is not there and `CI` is set.
+pub fn available(test: &str) -> bool {
+    let found = Command::new(QEMU).arg("--version").output().is_ok();
+    if !found {
+        crate::skip(test, "qemu-system-arm is not installed");
+    }
+    found
+}
+
+/// The ELF file of a firmware program for a board; built once in a test process.
+///
+/// # Panics
+/// It does not build.
+pub fn firmware(program: &str, board: Board) -> PathBuf {
+    static STM32: OnceLock<PathBuf> = OnceLock::new();
+    static MPS2: OnceLock<PathBuf> = OnceLock::new();
+    let folder = match board {
+        Board::NetduinoPlus2 => STM32.get_or_init(|| build("stm32", &[])),
+        Board::Mps2An386 | Board::Mps2An500 => {
+            MPS2.get_or_init(|| build("mps2", &["--features", "mps2"]))
+        }
+    };
+    folder.join(program)
+}
+
+fn build(map: &str, features: &[&str]) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let target = match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => root.join(folder).join("qemu"),
+        None => root.join("target/qemu"),
+    };
+    let folder = target.join("boards").join(map);
+    fs::create_dir_all(&folder).unwrap();
+    let lock = File::create(target.join("boards/lock")).unwrap();
+    lock.lock().unwrap();
+    let status = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()))
+        .current_dir(&root)
+        .args(["build", "--quiet", "--release", "--package", "firmware", "--bins"])
+        .args(["--target", TARGET])
+        .args(features)
+        .arg("--target-dir")
+        .arg(&target)
+        .status()
+        .unwrap();
+    assert!(status.success(), "the firmware does not build for {map}");
+    for program in PROGRAMS {
+        // By a rename, which leaves whole what another process may be running.
+        let fresh = folder.join(format!("{program}.{}", std::process::id()));
+        fs::copy(target.join(TARGET).join("release").join(program), &fresh).unwrap();
+        fs::rename(fresh, folder.join(program)).unwrap();
+    }
+    folder
+}
+
+/// Runs a program on a board in `folder`, where the files that its arguments name stand.
+///
+/// # Panics
+/// The emulator does not start, or the program does not end in two minutes.
+pub fn run(program: &str, board: Board, folder: &Path, arguments: &[&str]) -> Run {
+    let mut semihosting = format!("enable=on,target=native,arg={program}");
+    for argument in arguments {
+        semihosting.push_str(",arg=");
+        semihosting.push_str(argument);
+    }
+    let mut child = Command::new(QEMU)
+        .current_dir(folder)
+        .args(["-M", board.machine(), "-display", "none", "-monitor", "none", "-serial", "null"])
+        .args(["-icount", "shift=0,sleep=off", "-semihosting-config", &semihosting])
+        .arg("-kernel")
+        .arg(firmware(program, board))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let stdout = collect(child.stdout.take());
+    let stderr = collect(child.stderr.take());
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if start.elapsed() > TIME_LIMIT {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("{program} on {} did not end in {TIME_LIMIT:?}", board.machine());
+        }
+        thread::sleep(Duration::from_millis(5));
+    };
+    Run { stdout: stdout.join().unwrap(), stderr: stderr.join().unwrap(), code: status.code() }
+}
+
+fn collect(pipe: Option<impl Read + Send + 'static>) -> thread::JoinHandle<String> {
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        pipe.unwrap().read_to_end(&mut bytes).unwrap();
+        String::from_utf8_lossy(&bytes).into_owned()
+    })
+}

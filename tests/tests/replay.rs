@@ -1,0 +1,188 @@
+//! What the chip computes is what the host computes, to the bit.
+
+use std::fs;
+use std::path::PathBuf;
+
+use firmware::block;
+use firmware::replay::{ReplayedJoint, row_numbers, steps};
+use firmware::samples::Sample;
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::joint::{Drive, Settings};
+use joint_core::params::{Friction, Load, Location, Motor, Stage};
+use joint_tests::qemu::{self, Board, Run};
+
+/// Not a multiple of the replay's block, so the torn last block is met too.
+const SAMPLES: usize = 5_003;
+
+fn friction(coulomb_nm: f64) -> Friction {
+    Friction {
+        sigma0_nm_per_rad: 5_000.0 * coulomb_nm,
+        sigma1_nm_s_per_rad: 0.04 * coulomb_nm,
+        sigma2_nm_s_per_rad: 1e-4 * coulomb_nm,
+        coulomb_nm,
+        stribeck_nm: 0.4 * coulomb_nm,
+        stribeck_velocity_rad_per_s: 20.0,
+    }
+}
+
+fn micromotor() -> Motor {
+    Motor {
+        phase_resistance_ohm: 4.55,
+        phase_inductance_h: 13e-6,
+        torque_constant_nm_per_a: 1.38e-3,
+        rotor_inertia_kg_m2: 9.5e-10,
+        friction: friction(9e-6),
+        ..Motor::default()
+    }
+}
+
+fn gear() -> [Stage; 2] {
+    [(2e-9, 0.5, 2e-5), (8e-7, 15.0, 1e-3)].map(|(inertia_kg_m2, stiffness, coulomb)| Stage {
+        reduction: 32.0,
+        inertia_kg_m2,
+        stiffness_nm_per_rad: stiffness,
+        cubic_stiffness_nm_per_rad3: 3.0 * stiffness,
+        damping_nm_s_per_rad: 1e-7,
+        friction: friction(coulomb),
+    })
+}
+
+/// Held voltages (or currents) of both signs with stretches of zero in between, and a load that comes and goes:
+/// reversals, stick and denormals.
+fn inputs() -> Vec<Sample> {
+    (0..SAMPLES)
+        .map(|k| Sample {
+            input: [3.0, -4.5, 0.0, 0.37, -0.02, 6.0][k / 211 % 6],
+            load: if k / 1_009 % 2 == 1 { 0.004 } else { 0.0 },
+        })
+        .collect()
+}
+
+fn bytes_on_host<const N: usize>(joint: &ReplayedJoint<N>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut state = joint.rest();
+    let put = |number: f32| {
+        bytes.extend(number.to_le_bytes());
+        Ok::<(), std::convert::Infallible>(())
+    };
+    let Ok(()) = steps(joint, &mut state, inputs().into_iter(), put);
+    bytes
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn replay(board: Board, name: &str, parameters: &[u8]) -> (Run, Vec<u8>) {
+    let folder = scratch(&format!("{name}-{}", board.machine()));
+    fs::write(folder.join("parameters.bin"), parameters).unwrap();
+    let log: Vec<u8> = inputs().into_iter().flat_map(Sample::to_bytes).collect();
+    fs::write(folder.join("log.bin"), log).unwrap();
+    let files = ["parameters.bin", "log.bin", "states.bin"];
+    let run = qemu::run("replay", board, &folder, &files);
+    (run, fs::read(folder.join("states.bin")).unwrap_or_default())
+}
+
+fn encoded<const N: usize>(joint: &ReplayedJoint<N>) -> Vec<u8> {
+    let mut bytes = vec![0; 2048];
+    let length = block::encode(joint, N as u8, &mut bytes).unwrap();
+    bytes.truncate(length);
+    bytes
+}
+
+fn assert_same_bits<const N: usize>(name: &str, joint: &ReplayedJoint<N>) {
+    if !qemu::available(name) {
+        return;
+    }
+    let host = bytes_on_host(joint);
+    assert_eq!(host.len(), SAMPLES * row_numbers(N) * 4);
+    assert!(host.as_chunks::<4>().0.iter().all(|&word| f32::from_le_bytes(word).is_finite()));
+    for board in Board::ALL {
+        let (run, chip) = replay(board, name, &encoded(joint));
+        assert_eq!(run.code, Some(0), "{run:?}");
+        assert_eq!(run.value("samples"), SAMPLES.to_string());
+        let words = host.as_chunks::<4>().0.iter().zip(chip.as_chunks::<4>().0);
+        if let Some(first) = words.clone().position(|(host, chip)| host != chip) {
+            let (row, column) = (first / row_numbers(N), first % row_numbers(N));
+            panic!("{}: state {column} differs first at sample {row}", board.machine());
+        }
+        assert_eq!(chip.len(), host.len());
+    }
+}
+
+#[test]
+fn a_two_stage_joint_gives_the_same_bits_on_every_board() {
+    let settings = Settings::new(Drive::Voltage, 50e-6);
+    let joint =
+        ReplayedJoint::<2>::new(&micromotor(), &gear(), &Load::default(), &settings).unwrap();
+    assert_same_bits("a_two_stage_joint_gives_the_same_bits_on_every_board", &joint);
+}
+
+#[test]
+fn every_effect_acts_and_gives_the_same_bits_on_every_board() {
+    for &kind in Kind::ALL {
+        // The first place an effect may have; its stages begin at 1.
+        let place = match kind.spec().locations[0] {
+            Location::Stage(_) => Location::Stage(1),
+            place => place,
+        };
+        let mut effect = EffectParameters::new(kind, place);
+        for spec in kind.spec().parameters {
+            if let Some((_, value)) = SIZES.iter().find(|(key, _)| *key == spec.key) {
+                effect = effect.with(spec.key, *value);
+            } else if spec.default.is_none() {
+                effect = effect.with(spec.key, 0.1_f64.clamp(spec.low, spec.high));
+            }
+        }
+        let drive = match place {
+            Location::CurrentSensor => Drive::Current,
+            _ => Drive::Voltage,
+        };
+        let joint = |effects: &[EffectParameters]| {
+            let settings = Settings { effects, ..Settings::new(drive, 50e-6) };
+            ReplayedJoint::<2>::new(&micromotor(), &gear(), &Load::default(), &settings).unwrap()
+        };
+        let (plain, joint) = (joint(&[]), joint(&[effect]));
+        let name = kind.spec().kind;
+        assert!(bytes_on_host(&joint) != bytes_on_host(&plain), "{name} does nothing here");
+        assert_same_bits(name, &joint);
+    }
+}
+
+/// Values that fit the micromotor.
+const SIZES: &[(&str, f64)] = &[
+    ("amplitude_nm", 1e-5),
+    ("asymmetry", 0.2),
+    ("offset_a", 0.01),
+    ("order", 6.0),
+    ("second_amplitude_nm", 3e-6),
+    ("softening_a", 0.01),
+    ("viscous_asymmetry", -0.1),
+];
+
+#[test]
+fn a_direct_drive_with_an_imposed_current_gives_the_same_bits_on_every_board() {
+    let settings = Settings::new(Drive::Current, 100e-6);
+    let mut motor = micromotor();
+    motor.rotor_inertia_kg_m2 = 1e-6;
+    let joint = ReplayedJoint::<0>::new(&motor, &[], &Load::default(), &settings).unwrap();
+    assert_same_bits("a_direct_drive_gives_the_same_bits_on_every_board", &joint);
+}
+
+#[test]
+fn a_damaged_block_is_refused_by_name() {
+    let name = "a_damaged_block_is_refused_by_name";
+    if !qemu::available(name) {
+        return;
+    }
+    let settings = Settings::new(Drive::Voltage, 50e-6);
+    let joint =
+        ReplayedJoint::<2>::new(&micromotor(), &gear(), &Load::default(), &settings).unwrap();
+    let mut bytes = encoded(&joint);
+    bytes[40] ^= 1;
+    let (run, _) = replay(Board::NetduinoPlus2, name, &bytes);
+    assert_eq!(run.code, Some(1), "{run:?}");
+    assert!(run.stderr.contains("parameter block damaged"), "{run:?}");
+}
