@@ -1,4 +1,14 @@
 //! Host side of the joint: logs and model files, the f64 reference, refitting, discovery, reports.
 
+pub mod cli;
+pub mod estimate;
+pub mod fault;
+pub mod inputs;
 pub mod log;
 pub mod model;
+pub mod output;
+pub mod plant;
+pub mod reference;
+pub mod scenario;
+pub mod simulated;
+pub mod verb;

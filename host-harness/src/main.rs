@@ -1,2 +1,5 @@
 //! The command `joint`.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    host_harness::cli::main()
+}

@@ -1,0 +1,40 @@
+//! A simulation as the columns of a log, with every state beside them.
+
+use crate::log::{CURRENT, Log, MOTOR_ANGLE, OUTPUT_ANGLE};
+use crate::plant::{Snapshot, StageSnapshot};
+
+/// The log's own columns, with simulated current and angles for the measured ones, then every
+/// state: `current_a`, `motor_speed_rad_per_s`, `motor_bristle`, and of each stage angle and speed
+/// at its own side, wind-up and bristle.
+pub fn columns(log: &Log, snapshots: &[Snapshot]) -> Vec<(String, Vec<f64>)> {
+    let all = |of: &dyn Fn(&Snapshot) -> f64| snapshots.iter().map(of).collect::<Vec<f64>>();
+    let output = |s: &Snapshot| s.stages.last().map_or(s.motor_angle_rad, |stage| stage.angle_rad);
+    let mut columns: Vec<(String, Vec<f64>)> = log
+        .columns()
+        .into_iter()
+        .map(|(name, measured)| {
+            let values = match name {
+                CURRENT => all(&|s| s.measured_current_a),
+                MOTOR_ANGLE => all(&|s| s.motor_angle_rad),
+                OUTPUT_ANGLE => all(&output),
+                _ => measured.to_vec(),
+            };
+            (name.to_owned(), values)
+        })
+        .collect();
+    columns.push(("current_a".to_owned(), all(&|s| s.current_a)));
+    columns.push(("motor_speed_rad_per_s".to_owned(), all(&|s| s.motor_speed_rad_per_s)));
+    columns.push(("motor_bristle".to_owned(), all(&|s| s.motor_bristle)));
+    let stages = snapshots.first().map_or(0, |s| s.stages.len());
+    for k in 0..stages {
+        let mut push = |name: &str, of: fn(&StageSnapshot) -> f64| {
+            let values = all(&|s| s.stages.get(k).map_or(f64::NAN, of));
+            columns.push((format!("stage{}_{name}", k + 1), values));
+        };
+        push("angle_rad", |stage| stage.angle_rad);
+        push("speed_rad_per_s", |stage| stage.speed_rad_per_s);
+        push("windup_rad", |stage| stage.windup_rad);
+        push("bristle", |stage| stage.bristle);
+    }
+    columns
+}

@@ -1,0 +1,96 @@
+//! What the command `joint` does: one file per verb.
+//!
+//! A verb takes its arguments and what is common to all, and gives back what to print or what went
+//! wrong; it prints nothing on standard output itself, so that `--json` yields one object whatever
+//! the verb.
+
+pub mod cross_check;
+pub mod demo;
+pub mod discover;
+pub mod identify;
+mod load;
+pub mod score;
+pub mod simulate;
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::fault::InputError;
+
+pub use load::{read_log, read_model};
+
+/// Options that every verb has.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub struct Common {
+    /// Print one JSON object on standard output instead of text
+    #[arg(long, global = true, display_order = 900)]
+    pub json: bool,
+    /// Replace an earlier result
+    #[arg(long, global = true, display_order = 900)]
+    pub force: bool,
+}
+
+impl Common {
+    /// A progress bar on standard error, hidden where that is no terminal; `steps` zero shows a
+    /// spinner.
+    pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
+        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
+        let template = match steps {
+            0 => "{spinner} {msg} {elapsed}",
+            _ => "{msg} {wide_bar} {pos}/{len} {elapsed}",
+        };
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        bar
+    }
+}
+
+/// What a verb has done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// For `--json`.
+    pub json: serde_json::Value,
+    /// For a person.
+    pub text: String,
+    /// Whether every bound and check held.
+    pub passed: bool,
+}
+
+impl Outcome {
+    /// A verb done.
+    pub fn done(json: serde_json::Value, text: impl Into<String>) -> Self {
+        Self { json, text: text.into(), passed: true }
+    }
+}
+
+/// Why a verb could not be done.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct Failure {
+    /// Exit code: 1 a bound or check failed, 2 bad input or usage.
+    pub code: u8,
+    /// What is wrong, where, and what to do.
+    pub message: String,
+}
+
+impl Failure {
+    /// Bad input or usage.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self { code: 2, message: message.into() }
+    }
+
+    /// A bound or check that failed.
+    pub fn check(message: impl Into<String>) -> Self {
+        Self { code: 1, message: message.into() }
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self::input(error.to_string())
+    }
+}

@@ -1,0 +1,131 @@
+//! `joint simulate`: runs a model on a log's inputs.
+//!
+//! What comes out is a log again, with the simulation in the place of the measurements and every
+//! state beside them, so that whatever reads the one reads the other.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use serde_json::json;
+
+use super::{Common, Failure, Outcome, read_log, read_model};
+use crate::log::{Need, compressed, write_columns};
+use crate::output::OutFile;
+use crate::plant::{Inputs, ScalarKind, Snapshot};
+use crate::simulated;
+
+/// Run a model on a log's inputs; the CSV has the log's columns and every state
+///
+/// The voltage is imposed where the log has one, else the current; a known load is applied; a
+/// missing input holds the last value. The simulation starts at rest. Simulated current and angles
+/// take the place of the measured ones, the current as its sensor would show it without noise.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Example:
+  joint simulate --model arm.toml --input arm.csv --out simulated.csv
+  joint simulate --model arm.toml --input arm.csv --out single.csv --scalar f32 --step-us 50")]
+pub struct Args {
+    /// Model file
+    #[arg(long, value_name = "TOML")]
+    pub model: PathBuf,
+    /// Log whose inputs drive the model
+    #[arg(long, value_name = "CSV")]
+    pub input: PathBuf,
+    /// File to write, compressed where it ends in .gz
+    #[arg(long, value_name = "CSV")]
+    pub out: PathBuf,
+    /// How the equations are solved
+    #[arg(long, value_enum, default_value_t = Method::Embedded)]
+    pub method: Method,
+    /// Number to compute in, for the embedded method
+    #[arg(long, value_enum, default_value_t = Scalar::F64)]
+    pub scalar: Scalar,
+    /// Longest step, microseconds; one step a sample where left out
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub step_us: Option<f64>,
+}
+
+/// How the equations are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// The large step that runs on the drive
+    Embedded,
+}
+
+/// Which number the embedded method computes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Scalar {
+    /// Double precision
+    F64,
+    /// Single precision, bit for bit as on the drive
+    F32,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a number above zero".to_owned()),
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A file that cannot be read or written, or a model that cannot be run.
+pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let out = OutFile::new(&args.out, common.force)?;
+    let model = read_model(&args.model)?;
+    let log = read_log(&args.input, Need::Drive)?;
+    let inputs = Inputs::from_log(&log);
+    let bar = common.progress(0, "simulating");
+    let snapshots = solve(args, &model, &inputs)?;
+    bar.finish_and_clear();
+    if let Some(k) = snapshots.iter().position(|snapshot| !is_finite(snapshot)) {
+        let (model, time) = (args.model.display(), log.time_s[k]);
+        return Err(Failure::check(format!(
+            "{model}: the simulation is not finite from t_s = {time} on\n  help: give a shorter step with --step-us"
+        )));
+    }
+    let text = write_columns(&simulated::columns(&log, &snapshots));
+    let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
+    let samples = snapshots.len();
+    Ok(Outcome::done(
+        json!({"out": path, "model": model.name, "samples": samples}),
+        format!("{}: {samples} samples of {}", path.display(), model.name),
+    ))
+}
+
+fn solve(
+    args: &Args,
+    model: &crate::model::Model,
+    inputs: &Inputs,
+) -> Result<Vec<Snapshot>, Failure> {
+    let refused = |error: crate::plant::BuildError| {
+        Failure::input(format!("{}: {error}", args.model.display()))
+    };
+    match (args.method, args.scalar) {
+        (Method::Embedded, scalar) => {
+            let scalar = match scalar {
+                Scalar::F64 => ScalarKind::F64,
+                Scalar::F32 => ScalarKind::F32,
+            };
+            let step_s = args.step_us.map(|step| step * 1e-6);
+            crate::plant::simulate(model, inputs, scalar, step_s, None).map_err(refused)
+        }
+    }
+}
+
+fn is_finite(snapshot: &Snapshot) -> bool {
+    let stages = snapshot.stages.iter().flat_map(|stage| {
+        [stage.angle_rad, stage.speed_rad_per_s, stage.windup_rad, stage.bristle]
+    });
+    [
+        snapshot.current_a,
+        snapshot.measured_current_a,
+        snapshot.motor_angle_rad,
+        snapshot.motor_speed_rad_per_s,
+        snapshot.motor_bristle,
+    ]
+    .into_iter()
+    .chain(stages)
+    .all(f64::is_finite)
+}
