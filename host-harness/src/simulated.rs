@@ -4,8 +4,11 @@ use crate::log::{CURRENT, Log, MOTOR_ANGLE, OUTPUT_ANGLE};
 use crate::plant::{Snapshot, StageSnapshot};
 
 /// The log's own columns, with simulated current and angles for the measured ones, then every
-/// state: `current_a`, `motor_speed_rad_per_s`, `motor_bristle`, and of each stage angle and speed
-/// at its own side, wind-up and bristle.
+/// state; a current that is the input stays as it is.
+///
+/// The states are `current_a`, `motor_speed_rad_per_s`, `motor_bristle`, and of each stage
+/// `stageK_angle_rad`, `stageK_speed_rad_per_s`, `stageK_windup_rad` and `stageK_bristle`, angles
+/// and speeds at the stage's own side.
 pub fn columns(log: &Log, snapshots: &[Snapshot]) -> Vec<(String, Vec<f64>)> {
     let all = |of: &dyn Fn(&Snapshot) -> f64| snapshots.iter().map(of).collect::<Vec<f64>>();
     let output = |s: &Snapshot| s.stages.last().map_or(s.motor_angle_rad, |stage| stage.angle_rad);
@@ -14,7 +17,7 @@ pub fn columns(log: &Log, snapshots: &[Snapshot]) -> Vec<(String, Vec<f64>)> {
         .into_iter()
         .map(|(name, measured)| {
             let values = match name {
-                CURRENT => all(&|s| s.measured_current_a),
+                CURRENT if log.voltage_v.is_some() => all(&|s| s.measured_current_a),
                 MOTOR_ANGLE => all(&|s| s.motor_angle_rad),
                 OUTPUT_ANGLE => all(&output),
                 _ => measured.to_vec(),

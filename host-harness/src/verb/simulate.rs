@@ -10,9 +10,14 @@ use serde_json::json;
 
 use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::log::{Need, compressed, write_columns};
+use crate::model::Model;
 use crate::output::OutFile;
 use crate::plant::{Inputs, ScalarKind, Snapshot};
+use crate::reference::{self, ReferenceError};
 use crate::simulated;
+
+/// Relative tolerance of the adaptive reference.
+const REFERENCE_TOLERANCE: f64 = 1e-8;
 
 /// Run a model on a log's inputs; the CSV has the log's columns and every state
 ///
@@ -39,7 +44,8 @@ pub struct Args {
     /// Number to compute in, for the embedded method
     #[arg(long, value_enum, default_value_t = Scalar::F64)]
     pub scalar: Scalar,
-    /// Longest step, microseconds; one step a sample where left out
+    /// Longest step, microseconds; where left out, one step a sample (embedded) or as the
+    /// tolerance asks (reference)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub step_us: Option<f64>,
 }
@@ -49,6 +55,9 @@ pub struct Args {
 pub enum Method {
     /// The large step that runs on the drive
     Embedded,
+    /// In double precision, sharing no code with the embedded method: implicit and adaptive, or
+    /// explicit (Bogacki-Shampine 3) where --step-us is given
+    Reference,
 }
 
 /// Which number the embedded method computes in.
@@ -82,7 +91,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     if let Some(k) = snapshots.iter().position(|snapshot| !is_finite(snapshot)) {
         let (model, time) = (args.model.display(), log.time_s[k]);
         return Err(Failure::check(format!(
-            "{model}: the simulation is not finite from t_s = {time} on\n  help: give a shorter step with --step-us"
+            "{model}: the simulation is not finite from t_s = {time} on\n  help: give a shorter step with --step-us, or use --method reference"
         )));
     }
     let text = write_columns(&simulated::columns(&log, &snapshots));
@@ -94,23 +103,68 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     ))
 }
 
-fn solve(
-    args: &Args,
-    model: &crate::model::Model,
-    inputs: &Inputs,
-) -> Result<Vec<Snapshot>, Failure> {
+fn solve(args: &Args, model: &Model, inputs: &Inputs) -> Result<Vec<Snapshot>, Failure> {
     let refused = |error: crate::plant::BuildError| {
         Failure::input(format!("{}: {error}", args.model.display()))
     };
+    let step_s = args.step_us.map(|step| step * 1e-6);
     match (args.method, args.scalar) {
         (Method::Embedded, scalar) => {
             let scalar = match scalar {
                 Scalar::F64 => ScalarKind::F64,
                 Scalar::F32 => ScalarKind::F32,
             };
-            let step_s = args.step_us.map(|step| step * 1e-6);
             crate::plant::simulate(model, inputs, scalar, step_s, None).map_err(refused)
         }
+        (Method::Reference, Scalar::F64) => {
+            let method = match step_s {
+                Some(step_s) => reference::Method::BogackiShampine { step_s },
+                None => reference::Method::Stiff { tolerance: REFERENCE_TOLERANCE },
+            };
+            let snapshots = reference::simulate(model, inputs, &reference::Options::of(method))
+                .map_err(|error| unsolved(args, &error))?;
+            resolved(args, model, inputs, &snapshots)?;
+            Ok(snapshots)
+        }
+        (Method::Reference, Scalar::F32) => Err(Failure::input(
+            "--method reference computes in f64 only\n  help: leave --scalar out",
+        )),
+    }
+}
+
+/// A model that cannot be run is bad input; a method that fails on it is a failed check.
+fn unsolved(args: &Args, error: &ReferenceError) -> Failure {
+    let message = format!("{}: {error}", args.model.display());
+    match error {
+        ReferenceError::Diverged(_) | ReferenceError::Stiff(_) => {
+            Failure::check(format!("{message}\n  help: give a shorter step with --step-us"))
+        }
+        _ => Failure::input(message),
+    }
+}
+
+/// Checks that an explicit step was short enough: past its limit of stability, about 2.5
+/// relaxations of the fastest mode, the explicit method stays bounded here and is plainly wrong.
+fn resolved(
+    args: &Args,
+    model: &Model,
+    inputs: &Inputs,
+    snapshots: &[Snapshot],
+) -> Result<(), Failure> {
+    let Some(step_us) = args.step_us else { return Ok(()) };
+    let fastest = snapshots.iter().map(|s| s.motor_speed_rad_per_s.abs()).fold(0.0, f64::max);
+    let converged = reference::Method::converged(model, inputs.drive, fastest);
+    let converged = converged.map_err(|error| unsolved(args, &error))?;
+    match converged {
+        // A quarter of a relaxation is converged: eight times that is two.
+        reference::Method::BogackiShampine { step_s } if step_us * 1e-6 > 8.0 * step_s => {
+            Err(Failure::check(format!(
+                "{}: a step of {step_us} µs does not resolve this joint\n  help: give --step-us {:.2} or less, or leave it out",
+                args.model.display(),
+                step_s * 1e6
+            )))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -1,0 +1,189 @@
+//! The command `joint` from outside: exit codes, what it prints where, and what it leaves behind.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use host_harness::log::{Log, Need};
+
+const MODEL: &str = "[motor]
+phase_resistance_ohm = 0.5
+phase_inductance_h = 1e-4
+torque_constant_nm_per_a = 0.1
+rotor_inertia_kg_m2 = 1e-5
+[motor.friction]
+sigma0_nm_per_rad = 10
+sigma1_nm_s_per_rad = 0.01
+coulomb_nm = 0.01
+[[stage]]
+reduction = 10
+inertia_kg_m2 = 1e-3
+stiffness_nm_per_rad = 300
+";
+
+/// A folder with a model and a log of a voltage step, 2,000 samples at 200 µs.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.toml"), MODEL).unwrap();
+    let mut log = String::from("t_s,u_v,i_a,motor_angle_rad,output_angle_rad,note\n");
+    for k in 0..2000 {
+        let voltage = if k < 100 { 0.0 } else { 3.0 };
+        log.push_str(&format!("{:.4},{voltage},9,9,9,x\n", f64::from(k) * 2e-4));
+    }
+    std::fs::write(folder.path().join("l.csv"), log).unwrap();
+    folder
+}
+
+fn joint(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_joint"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn simulate(folder: &Path, more: &str) -> Output {
+    joint(folder, &format!("simulate --model m.toml --input l.csv --out o.csv {more}"))
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// A column of a simulation.
+fn column(folder: &Path, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_path(folder.join("o.csv")).unwrap();
+    let at = reader.headers().unwrap().iter().position(|own| own == name).unwrap();
+    reader.records().map(|record| record.unwrap()[at].parse().unwrap()).collect()
+}
+
+#[test]
+fn a_simulation_has_the_columns_of_the_log_and_every_state() {
+    let folder = folder();
+    let output = simulate(folder.path(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "warning: l.csv: unknown columns are ignored: note\n");
+    let text = std::fs::read_to_string(folder.path().join("o.csv")).unwrap();
+    assert_eq!(
+        text.lines().next(),
+        Some(
+            "t_s,u_v,i_a,motor_angle_rad,output_angle_rad,current_a,motor_speed_rad_per_s,\
+             motor_bristle,stage1_angle_rad,stage1_speed_rad_per_s,stage1_windup_rad,stage1_bristle"
+        )
+    );
+    let log = Log::read(&folder.path().join("o.csv"), Need::Drive).unwrap().log;
+    assert_eq!(log.len(), 2000);
+    // 3 V over k_t = 0.1 is 30 rad/s, less what friction takes: 0.01 Nm / k_t · 2R / k_t = 1.
+    let speed = column(folder.path(), "motor_speed_rad_per_s");
+    assert!((speed[1999] - 29.0).abs() < 0.01, "{}", speed[1999]);
+    let last = |name: &str| column(folder.path(), name)[1999];
+    assert!((last("stage1_speed_rad_per_s") - 2.9).abs() < 0.01);
+    assert_eq!(last("output_angle_rad"), last("stage1_angle_rad"));
+    let (angle, output) = (last("motor_angle_rad"), last("output_angle_rad"));
+    assert!((angle / 10.0 - output - last("stage1_windup_rad")).abs() < 1e-9);
+}
+
+#[test]
+fn both_numbers_and_both_methods_agree() {
+    let folder = folder();
+    let angle = |more: &str| {
+        let output = simulate(folder.path(), &format!("--force {more}"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        column(folder.path(), "motor_angle_rad")[1999]
+    };
+    let reference = angle("--method reference");
+    for more in ["--scalar f64", "--scalar f32", "--step-us 50", "--method reference --step-us 2"] {
+        let ours = angle(more);
+        assert!((ours / reference - 1.0).abs() < 1e-3, "{more}: {ours} for {reference}");
+    }
+}
+
+#[test]
+fn with_json_standard_output_is_one_object_whether_it_went_well_or_not() {
+    let folder = folder();
+    let object =
+        |output: &Output| -> serde_json::Value { serde_json::from_slice(&output.stdout).unwrap() };
+    let done = object(&simulate(folder.path(), "--json"));
+    assert_eq!(done, serde_json::json!({"out": "o.csv", "model": "m", "samples": 2000}));
+    let refused = simulate(folder.path(), "--json");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(object(&refused)["error"].as_str().unwrap().contains("is there already"));
+}
+
+#[test]
+fn an_earlier_result_is_replaced_only_when_forced() {
+    let folder = folder();
+    let path = folder.path().join("o.csv");
+    std::fs::write(&path, "mine").unwrap();
+    let output = simulate(folder.path(), "");
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        stderr(&output),
+        "error: o.csv: is there already\n  help: choose another name, or replace it with --force\n"
+    );
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+    assert_eq!(simulate(folder.path(), "--force").status.code(), Some(0));
+    assert_ne!(std::fs::read_to_string(&path).unwrap(), "mine");
+}
+
+#[test]
+fn bad_input_and_bad_usage_exit_with_two_and_leave_nothing() {
+    let folder = folder();
+    std::fs::write(folder.path().join("bad.toml"), MODEL.replace("1e-5", "-1e-5")).unwrap();
+    let (model, log, out) = ("--model m.toml", "--input l.csv", "--out o.csv");
+    let cases = [
+        String::new(),
+        "nonsense".to_owned(),
+        format!("simulate {model} {log}"),
+        format!("simulate {model} {log} {out} --step-us 0"),
+        format!("simulate {model} {log} {out} --step-us nan"),
+        format!("simulate {model} {log} {out} --scalar f16"),
+        format!("simulate {model} {log} {out} --method reference --scalar f32"),
+        format!("simulate --model none.toml {log} {out}"),
+        format!("simulate --model bad.toml {log} {out}"),
+        format!("simulate {model} --input none.csv {out}"),
+        format!("simulate {model} --input m.toml {out}"),
+        format!("simulate {model} {log} --out ."),
+    ];
+    for arguments in cases {
+        let output = joint(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        assert!(!stderr(&output).is_empty(), "{arguments}");
+        assert!(output.stdout.is_empty(), "{arguments}");
+    }
+    let mut left: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    left.sort();
+    assert_eq!(left, ["bad.toml", "l.csv", "m.toml"]);
+}
+
+#[test]
+fn an_explicit_step_too_long_for_the_joint_is_a_failed_check() {
+    let folder = folder();
+    let output = simulate(folder.path(), "--method reference --step-us 150");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(!folder.path().join("o.csv").exists());
+}
+
+#[test]
+fn every_verb_has_help_with_an_example() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = joint(folder.path(), "--help");
+    assert_eq!(help.status.code(), Some(0));
+    let help = String::from_utf8(help.stdout).unwrap();
+    let verbs = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let verbs: Vec<&str> = verbs
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|verb| *verb != "help")
+        .collect();
+    assert!(verbs.contains(&"simulate"));
+    for verb in verbs {
+        let output = joint(folder.path(), &format!("{verb} --help"));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{verb}");
+        assert!(text.contains(&format!("Example:\n  joint {verb} ")), "{verb}: {text}");
+        assert!(text.contains("--json") && text.contains("--force"), "{verb}");
+    }
+}
