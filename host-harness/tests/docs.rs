@@ -1,0 +1,45 @@
+//! The documents say what the code does.
+
+use std::path::Path;
+
+use host_harness::log::{Log, Need};
+use host_harness::model::Model;
+use joint_core::effect::{Kind, ParameterSpec};
+use joint_core::params::Location;
+
+const MODEL: &str = include_str!("../../docs/model-format.md");
+const LOG: &str = include_str!("../../docs/log-format.md");
+
+#[test]
+fn the_documented_model_is_read() {
+    let text = MODEL.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let model = Model::parse(text, Path::new("arm.toml")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((model.stages.len(), model.effects.len()), (1, 1));
+}
+
+#[test]
+fn every_effect_stands_in_the_table_of_effects() {
+    for kind in Kind::ALL {
+        let spec = kind.spec();
+        let place = |place: &Location| match place {
+            Location::Stage(_) => "stageK".to_owned(),
+            place => place.to_string(),
+        };
+        let parameter = |parameter: &ParameterSpec| match parameter.default {
+            Some(default) => format!("`{}` (default {default})", parameter.key),
+            None => format!("`{}`", parameter.key),
+        };
+        let places: Vec<_> = spec.locations.iter().map(place).collect();
+        let parameters: Vec<_> = spec.parameters.iter().map(parameter).collect();
+        let row =
+            format!("| `{}` | {} | {} |", spec.kind, places.join(", "), parameters.join(", "));
+        assert!(MODEL.contains(&row), "docs/model-format.md lacks the row\n{row}");
+    }
+}
+
+#[test]
+fn the_documented_error_is_the_one_that_is_shown() {
+    let text = "t_s,u_v,motor_angle_rad\n0,0,0\n0.0002,0,0\n0.0002,0,0\n";
+    let error = Log::parse(text.as_bytes(), Path::new("arm.csv"), Need::Drive).unwrap_err();
+    assert!(LOG.contains(&format!("error: {error}")), "{error}");
+}
