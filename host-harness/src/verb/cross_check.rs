@@ -2,7 +2,12 @@
 
 use std::path::PathBuf;
 
+use serde_json::json;
+
 use super::{Common, Failure, Outcome};
+use crate::cross_check::{self, CrossCheckError, Speed};
+use crate::output::OutDir;
+use crate::scenario;
 
 /// Check f32 in the embedded method against the f64 reference on every scenario
 ///
@@ -20,6 +25,23 @@ pub struct Args {
 ///
 /// # Errors
 /// Bad input, or a result that may not be overwritten.
-pub fn run(_args: &Args, _common: &Common) -> Result<Outcome, Failure> {
-    Err(Failure::check("not in this build"))
+pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let out = args.out.as_deref().map(|path| OutDir::new(path, common.force)).transpose()?;
+    let failed = |error: CrossCheckError| Failure::check(error.to_string());
+    let model = scenario::paper();
+    let bar = common.progress(scenario::ALL.len() as u64, "scenarios");
+    let mut check = cross_check::run(&model, &scenario::ALL, || bar.inc(1)).map_err(failed)?;
+    bar.set_message("timing");
+    check.speed = Some(Speed::measure(&model, &scenario::ALL[1]).map_err(failed)?);
+    bar.finish_and_clear();
+    if let Some(out) = out {
+        let rows = serde_json::to_string_pretty(&check.rows)
+            .map_err(|error| Failure::check(error.to_string()))?;
+        out.write("cross-check.json", rows)?;
+        out.write("cross-check.html", check.page())?;
+    }
+    let json = json!({
+        "passed": check.passed(), "rows": check.rows, "broken": check.broken(), "speed": check.speed,
+    });
+    Ok(Outcome { json, text: check.to_string(), passed: check.passed() })
 }

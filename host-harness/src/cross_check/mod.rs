@@ -1,0 +1,180 @@
+//! Whether the step that runs on the drive is right, number by number.
+//!
+//! Every scenario is run by the explicit reference at a step where it has converged; the embedded
+//! method is then compared with it, state by state, in f32 and f64 and at several steps, and so is
+//! the implicit reference, which would show a mistake in the explicit one. Inputs are held on the
+//! same grid for all, so what differs is the method alone.
+
+mod bound;
+mod page;
+mod quantity;
+mod speed;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use bound::{BETWEEN_REFERENCES, bound};
+pub use quantity::Quantity;
+pub use speed::Speed;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::model::Model;
+use crate::plant::{self, BuildError, ScalarKind, Snapshot};
+use crate::reference::{self, Method, Options, ReferenceError};
+use crate::scenario::Scenario;
+
+/// Step of the explicit reference, s: a quarter of the paper's. A step four times longer agrees
+/// with it to 1e-6.
+pub const REFERENCE_STEP_S: f64 = 25e-9;
+/// Tolerance of the implicit reference.
+pub const STIFF_TOLERANCE: f64 = 1e-9;
+
+/// Steps of the embedded method, µs, and the micro-steps forced on it; `None` takes the rule's.
+const RUNS: [(f64, Option<u32>); 6] =
+    [(10.0, None), (25.0, None), (50.0, None), (50.0, Some(1)), (50.0, Some(2)), (100.0, None)];
+
+/// One state of one run beside the reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// What was run.
+    pub scenario: &'static str,
+    /// `embedded` or `reference-stiff`.
+    pub method: &'static str,
+    /// Number format.
+    pub scalar: &'static str,
+    /// Step, µs; zero for an adaptive one.
+    pub step_us: f64,
+    /// The state.
+    pub state: String,
+    /// RMS of the difference over RMS of the reference.
+    pub relative_rms: f64,
+    /// What it may be at most; null where nothing is promised.
+    pub bound: Option<f64>,
+    /// Micro-steps in a step; zero for a reference.
+    pub micro_steps: u32,
+    /// Whether the rule chose the micro-steps.
+    pub chosen: bool,
+}
+
+impl Row {
+    /// Whether it is within its bound.
+    pub fn holds(&self) -> bool {
+        self.bound.is_none_or(|bound| self.relative_rms <= bound)
+    }
+}
+
+/// Why there is no cross-check.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CrossCheckError {
+    /// The joint cannot be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The reference failed.
+    #[error("{scenario}: {error}")]
+    Reference {
+        /// Where.
+        scenario: &'static str,
+        /// Why.
+        error: ReferenceError,
+    },
+}
+
+/// Every row, and how fast each method is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CrossCheck {
+    /// The rows, in the order of the scenarios.
+    pub rows: Vec<Row>,
+    /// Time of each method, where it was measured.
+    pub speed: Option<Speed>,
+}
+
+impl CrossCheck {
+    /// Rows that break their bound.
+    pub fn broken(&self) -> Vec<&Row> {
+        self.rows.iter().filter(|row| !row.holds()).collect()
+    }
+
+    /// Whether every bound holds.
+    pub fn passed(&self) -> bool {
+        self.broken().is_empty()
+    }
+}
+
+/// Runs a model through scenarios; `done` is called after each of them, from any thread.
+///
+/// # Errors
+/// The joint cannot be built, or a reference fails.
+pub fn run(
+    model: &Model,
+    scenarios: &[Scenario],
+    done: impl Fn() + Sync,
+) -> Result<CrossCheck, CrossCheckError> {
+    let rows: Result<Vec<_>, _> = scenarios
+        .par_iter()
+        .map(|scenario| {
+            let rows = check(model, scenario);
+            done();
+            rows
+        })
+        .collect();
+    Ok(CrossCheck { rows: rows?.into_iter().flatten().collect(), speed: None })
+}
+
+fn check(model: &Model, scenario: &Scenario) -> Result<Vec<Row>, CrossCheckError> {
+    let inputs = scenario.inputs();
+    let refer = |method| {
+        reference::simulate(model, &inputs, &Options::of(method))
+            .map_err(|error| CrossCheckError::Reference { scenario: scenario.name, error })
+    };
+    let reference = refer(Method::BogackiShampine { step_s: REFERENCE_STEP_S })?;
+    let stiff = refer(Method::Stiff { tolerance: STIFF_TOLERANCE })?;
+    let quantities = Quantity::of(model.stages.len());
+    let mut rows = Vec::new();
+    let mut compare = |other: &[Snapshot], like: &Row, bound: &dyn Fn(Quantity) -> Option<f64>| {
+        rows.extend(quantities.iter().map(|quantity| Row {
+            state: quantity.to_string(),
+            relative_rms: quantity.relative_rms(&reference, other),
+            bound: bound(*quantity),
+            ..like.clone()
+        }));
+    };
+    let mut like = Row {
+        scenario: scenario.name,
+        method: "reference-stiff",
+        scalar: "f64",
+        step_us: 0.0,
+        state: String::new(),
+        relative_rms: 0.0,
+        bound: None,
+        micro_steps: 0,
+        chosen: true,
+    };
+    compare(&stiff, &like, &|_| Some(BETWEEN_REFERENCES));
+    like.method = "embedded";
+    for (step_us, forced) in RUNS {
+        let picked = rule(model, step_us * 1e-6);
+        if forced == Some(picked) {
+            continue;
+        }
+        like = Row {
+            step_us,
+            micro_steps: forced.unwrap_or(picked),
+            chosen: forced.is_none(),
+            ..like
+        };
+        for (scalar, name) in [(ScalarKind::F32, "f32"), (ScalarKind::F64, "f64")] {
+            let step = Some(step_us * 1e-6);
+            let run = plant::simulate(model, &inputs, scalar, step, forced)?;
+            like.scalar = name;
+            compare(&run, &like, &|quantity| bound(step_us, like.micro_steps, quantity));
+        }
+    }
+    Ok(rows)
+}
+
+/// The micro-steps that the parameters ask for.
+fn rule(model: &Model, step_s: f64) -> u32 {
+    joint_core::joint::micro_steps(&model.motor, &model.stages, &model.load, step_s)
+}

@@ -1,0 +1,70 @@
+//! The drive's step against the reference: how near, and with which effects.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+
+use super::*;
+use crate::scenario::{ALL, paper};
+
+fn errors(model: &Model, scenario: &Scenario, scalar: ScalarKind, step_s: f64) -> Vec<f64> {
+    let inputs = scenario.inputs();
+    let exact = reference::simulate(model, &inputs, &Options::default()).unwrap();
+    let run = plant::simulate(model, &inputs, scalar, Some(step_s), None).unwrap();
+    let all = Quantity::of(model.stages.len()).into_iter();
+    all.map(|quantity| quantity.relative_rms(&exact, &run)).collect()
+}
+
+fn worst(errors: &[f64]) -> f64 {
+    errors.iter().copied().fold(0.0, f64::max)
+}
+
+#[test]
+fn a_running_joint_in_f32_at_a_drive_step_stays_within_one_per_cent() {
+    for scenario in [ALL[0], ALL[2]] {
+        let error = worst(&errors(&paper(), &scenario, ScalarKind::F32, 50e-6));
+        assert!(error < 0.01, "{}: {error}", scenario.name);
+    }
+}
+
+#[test]
+fn the_step_converges_to_the_reference_across_reversals() {
+    let wiggle = ALL[5].lasting(0.03);
+    let error = |step| worst(&errors(&paper(), &wiggle, ScalarKind::F64, step));
+    let (coarse, fine) = (error(10e-6), error(1e-6));
+    // At least first order, where friction has its corner.
+    assert!(fine < 0.2 * coarse && fine < 2e-3, "{coarse} then {fine}");
+}
+
+/// Sizes that matter on the micromotor without stopping it.
+fn effect(kind: Kind) -> EffectParameters {
+    let at = |location| EffectParameters::new(kind, location);
+    match kind {
+        Kind::Cogging => at(Location::Motor)
+            .with("order", 6.0)
+            .with("amplitude_nm", 8e-6)
+            .with("second_amplitude_nm", 2e-6),
+        Kind::LoadDependentFriction => at(Location::Stage(2)).with("coefficient", 0.15),
+        Kind::AsymmetricFriction => {
+            at(Location::Motor).with("asymmetry", 0.25).with("viscous_asymmetry", 0.3)
+        }
+        Kind::Backlash => at(Location::Stage(2)).with("width_rad", 2e-4),
+        Kind::Gravity => at(Location::Output).with("amplitude_nm", 5e-3).with("phase_rad", 0.4),
+        Kind::DeadTime => at(Location::Inverter).with("voltage_v", 0.15).with("softening_a", 3e-3),
+        Kind::CurrentOffset => at(Location::CurrentSensor).with("offset_a", 0.01),
+        _ => panic!("no size is stated here for {}", kind.spec().kind),
+    }
+}
+
+#[test]
+fn every_effect_is_the_same_in_the_step_and_in_the_reference() {
+    for kind in Kind::ALL {
+        let model = Model { effects: vec![effect(*kind)], ..paper() };
+        let name = kind.spec().kind;
+        let loaded = worst(&errors(&model, &ALL[2], ScalarKind::F64, 50e-6));
+        assert!(loaded < 0.02, "{name} on a running joint: {loaded}");
+        // With the step the difference goes, so both hold the same law.
+        let reversing = ALL[1].lasting(0.05);
+        let fine = worst(&errors(&model, &reversing, ScalarKind::F64, 5e-6));
+        assert!(fine < 4e-3, "{name} across a reversal: {fine}");
+    }
+}

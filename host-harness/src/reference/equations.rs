@@ -1,0 +1,335 @@
+//! The joint's equations of motion, written out for the reference.
+//!
+//! What the step is judged by must not share its tricks. Here is the plain right-hand side in SI
+//! with everything reflected to the motor shaft: no per-unit numbers, no closed flows, the exact
+//! exponential of the Stribeck curve, any number of stages. Only the laws of added effects are
+//! the ones the drive runs, because an effect's physics stands once.
+//!
+//! The state is `[i, θ, d…, v…, z…]`: current, rotor angle, deflections, speeds, bristles, all at
+//! the motor, so an angle q of mass k is q/N_k and a torque on it T·N_k. Deflections are states
+//! themselves: as differences of angles they would drown in the turns.
+
+use joint_core::angle::Angle;
+use joint_core::effect::{EffectSet, Effects, Motion};
+use joint_core::joint::Drive;
+use joint_core::params::Friction;
+use joint_core::per_unit::{Bases, reflected_inertia};
+
+use super::ReferenceError;
+use crate::model::Model;
+use crate::plant::{Layout, Snapshot, StageSnapshot};
+
+/// Beyond this the Stribeck exponential is below the last bit of what it is added to.
+const FORGOTTEN: f64 = 45.0;
+
+/// What acts on the joint over one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Held {
+    /// Voltage, V, or current, A.
+    pub drive: f64,
+    /// Load at the output, Nm, positive against positive motion.
+    pub load: f64,
+    /// Further torque on the rotor, Nm.
+    pub torque: f64,
+}
+
+struct Mass {
+    per_inertia: f64,
+    sigma0: f64,
+    sigma1: f64,
+    sigma2: f64,
+    alpha0: f64,
+    alpha1: f64,
+    per_stribeck_velocity: f64,
+    /// Product of the ratios η up to this mass.
+    shaft: f64,
+}
+
+struct Spring {
+    linear: f64,
+    cubic: f64,
+    damping: f64,
+}
+
+/// The equations of one joint.
+pub struct Equations {
+    masses: Vec<Mass>,
+    springs: Vec<Spring>,
+    torque_constant: f64,
+    resistance: f64,
+    /// One over 2L; `None` where the current follows at once.
+    per_inductance: Option<f64>,
+    drive: Drive,
+    stribeck_exponent: f64,
+    effects: Option<EffectSet<f64>>,
+}
+
+impl Equations {
+    /// The equations of a model; `stribeck_exponent` is δ of `exp(−|v/v0|^δ)`, 2 in the model.
+    ///
+    /// # Errors
+    /// The first parameter that the equations cannot take.
+    pub fn new(
+        model: &Model,
+        drive: Drive,
+        stribeck_exponent: f64,
+    ) -> Result<Self, ReferenceError> {
+        let Model { motor, stages, load, .. } = model;
+        joint_core::params::validate(motor, stages, load)?;
+        joint_core::effect::validate(&model.effects, stages.len())?;
+        let bases = Bases::si(motor, stages);
+        let resistance = bases.resistance;
+        if drive == Drive::Voltage && resistance <= 0.0 {
+            return Err(ReferenceError::NoResistance);
+        }
+        let effects =
+            EffectSet::new(&model.effects, load, &bases).ok_or(ReferenceError::Effects)?;
+        let inductance = 2.0 * motor.phase_inductance_h;
+        let lags = drive == Drive::Voltage && inductance > 0.0;
+        let mass = |number: usize, friction: &Friction| {
+            let inertia = reflected_inertia(motor, stages, load, number);
+            Mass::new(friction, bases.shaft(number), inertia)
+        };
+        let mut masses = vec![mass(0, &motor.friction)];
+        masses.extend(stages.iter().enumerate().map(|(k, stage)| mass(k + 1, &stage.friction)));
+        let springs = stages.iter().enumerate().map(|(k, stage)| {
+            let square = bases.shaft(k + 1).powi(2);
+            Spring {
+                linear: stage.stiffness_nm_per_rad * square,
+                cubic: stage.cubic_stiffness_nm_per_rad3 * square * square,
+                damping: stage.damping_nm_s_per_rad * square,
+            }
+        });
+        Ok(Self {
+            masses,
+            springs: springs.collect(),
+            torque_constant: motor.torque_constant_nm_per_a,
+            resistance,
+            per_inductance: lags.then(|| 1.0 / inductance),
+            drive,
+            stribeck_exponent,
+            effects: (!effects.is_empty()).then_some(effects),
+        })
+    }
+
+    /// Where each quantity stands in the state.
+    pub fn layout(&self) -> Layout {
+        Layout { stages: self.springs.len() }
+    }
+
+    /// The joint at rest, relaxed, at angle zero.
+    pub fn rest(&self) -> Vec<f64> {
+        vec![0.0; self.layout().len()]
+    }
+
+    /// Time derivative of the state. Slices shorter than the state are a caller's mistake and
+    /// leave the rest untouched.
+    #[inline]
+    pub fn derivative(&self, held: &Held, state: &[f64], rate: &mut [f64]) {
+        let stages = self.springs.len();
+        if state.len() < 4 + 3 * stages || rate.len() < state.len() {
+            return;
+        }
+        let (head, tail) = state.split_at(2);
+        let (deflections, tail) = tail.split_at(stages);
+        let (speeds, bristles) = tail.split_at(stages + 1);
+        let (head_rate, tail) = rate.split_at_mut(2);
+        let (deflection_rate, tail) = tail.split_at_mut(stages);
+        let (speed_rate, bristle_rate) = tail.split_at_mut(stages + 1);
+
+        let current = self.current(held, head[0], speeds[0]);
+        head_rate[0] = self.current_rate(held, current, speeds[0]);
+        head_rate[1] = speeds[0];
+
+        let mut driving = self.torque_constant * current + held.torque;
+        let mut transmitted = self.torque_constant * current;
+        let mut angle = head[1];
+        for (k, mass) in self.masses.iter().enumerate() {
+            let speed = speeds[k];
+            let (friction, slip) = self.friction(k, mass, speed, bristles[k], transmitted);
+            bristle_rate[k] = slip;
+            let mut force = driving - friction;
+            if let Some(spring) = self.springs.get(k) {
+                deflection_rate[k] = speed - speeds[k + 1];
+                let (felt, contact) = match &self.effects {
+                    Some(effects) => effects.deflection(k, deflections[k]),
+                    None => (deflections[k], 1.0),
+                };
+                let elastic = felt * (spring.linear + spring.cubic * felt * felt);
+                driving = elastic + contact * spring.damping * deflection_rate[k];
+                force -= driving;
+                transmitted = elastic;
+            } else {
+                force -= held.load * mass.shaft;
+            }
+            if let Some(effects) = &self.effects {
+                let own = Angle::from_turns(angle * mass.shaft / std::f64::consts::TAU);
+                force += effects.torque(k, Motion { angle: own, speed }).value;
+                angle -= deflections.get(k).copied().unwrap_or(0.0);
+            }
+            speed_rate[k] = force * mass.per_inertia;
+        }
+    }
+
+    /// Torque of a mass's friction, equation (2), and the rate of its bristle, equation (3).
+    #[inline]
+    fn friction(
+        &self,
+        number: usize,
+        mass: &Mass,
+        speed: f64,
+        bristle: f64,
+        transmitted: f64,
+    ) -> (f64, f64) {
+        if mass.sigma0 <= 0.0 {
+            let viscous = self.viscous(number, speed);
+            return ((mass.sigma1 + mass.sigma2 * viscous) * speed, 0.0);
+        }
+        let level = match &self.effects {
+            Some(effects) => 1.0 / effects.inverse_level(number, speed, transmitted),
+            None => 1.0,
+        };
+        let slip_level = level * mass.slip_level(speed, self.stribeck_exponent);
+        let rate = speed - mass.sigma0 * speed.abs() * bristle / slip_level;
+        let viscous = mass.sigma2 * self.viscous(number, speed);
+        (mass.sigma0 * bristle + mass.sigma1 * rate + viscous * speed, rate)
+    }
+
+    fn viscous(&self, number: usize, speed: f64) -> f64 {
+        self.effects.as_ref().map_or(1.0, |effects| effects.viscous(number, speed))
+    }
+
+    #[inline]
+    fn current_rate(&self, held: &Held, current: f64, speed: f64) -> f64 {
+        let Some(per_inductance) = self.per_inductance else { return 0.0 };
+        let driving = held.drive - self.drop(current);
+        (driving - self.resistance * current - self.torque_constant * speed) * per_inductance
+    }
+
+    fn drop(&self, current: f64) -> f64 {
+        let effects = self.effects.as_ref();
+        effects.map_or(0.0, |effects| self.resistance * effects.voltage_drop(current, 0.0))
+    }
+
+    /// The current that flows: the state's, or the one that the inputs impose at once.
+    #[inline]
+    fn current(&self, held: &Held, state: f64, speed: f64) -> f64 {
+        match (self.drive, self.per_inductance) {
+            (Drive::Voltage, Some(_)) => state,
+            (Drive::Voltage, None) => {
+                self.without_lag((held.drive - self.torque_constant * speed) / self.resistance)
+            }
+            (Drive::Current, _) => {
+                self.effects.as_ref().map_or(held.drive, |effects| effects.true_current(held.drive))
+            }
+        }
+    }
+
+    /// Solves `i + drop(i)/2R = free`, whose left side rises with i and lies between 0 and free.
+    fn without_lag(&self, free: f64) -> f64 {
+        if self.drop(free) == 0.0 {
+            return free;
+        }
+        let (mut low, mut high) = (0.0, free);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            let excess = middle + self.drop(middle) / self.resistance - free;
+            // Where free is negative, so are low and high, and both sides change sign.
+            if excess * free.signum() > 0.0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Puts a current that follows at once into the state.
+    pub fn settle(&self, held: &Held, state: &mut [f64]) {
+        let speed = state[self.layout().speed(0)];
+        state[Layout::CURRENT] = self.current(held, state[Layout::CURRENT], speed);
+    }
+
+    /// The state as it is reported.
+    pub fn snapshot(&self, state: &[f64]) -> Snapshot {
+        let layout = self.layout();
+        let current_a = state[Layout::CURRENT];
+        let effects = self.effects.as_ref();
+        let bristle = |k: usize| self.masses[k].zeta(state[layout.bristle(k)]);
+        let mut angle = state[Layout::ANGLE];
+        let stages = (0..layout.stages).map(|k| {
+            let shaft = self.masses[k + 1].shaft;
+            angle -= state[layout.deflection(k)];
+            StageSnapshot {
+                angle_rad: angle * shaft,
+                speed_rad_per_s: state[layout.speed(k + 1)] * shaft,
+                windup_rad: state[layout.deflection(k)] * shaft,
+                bristle: bristle(k + 1) * shaft.signum(),
+            }
+        });
+        Snapshot {
+            current_a,
+            measured_current_a: effects
+                .map_or(current_a, |effects| effects.measured_current(current_a)),
+            motor_angle_rad: state[Layout::ANGLE],
+            motor_speed_rad_per_s: state[layout.speed(0)],
+            motor_bristle: bristle(0),
+            stages: stages.collect(),
+        }
+    }
+
+    /// Deflection of a mass's bristle at its Coulomb level, rad at the motor; zero without friction.
+    pub fn bristle_reach(&self, mass: usize) -> f64 {
+        self.masses
+            .get(mass)
+            .filter(|mass| mass.sigma0 > 0.0)
+            .map_or(0.0, |mass| mass.alpha0 / mass.sigma0)
+    }
+
+    /// The fastest rate in the equations at speeds up to this one (rad/s at the motor), per
+    /// second: an explicit method's step times this must stay of the order of one.
+    pub fn fastest_rate(&self, speed: f64) -> f64 {
+        let electric = self.per_inductance.map_or(0.0, |per| per * self.resistance);
+        self.masses.iter().enumerate().fold(electric, |fastest, (k, mass)| {
+            let springs = [k.checked_sub(1), Some(k)].into_iter().flatten();
+            let stiffness: f64 = springs
+                .filter_map(|spring| self.springs.get(spring))
+                .map(|spring| spring.linear)
+                .sum();
+            let mode = ((2.0 * stiffness + mass.sigma0) * mass.per_inertia).sqrt();
+            let damping = (mass.sigma1 + mass.sigma2) * mass.per_inertia;
+            let level = mass.alpha0.min(mass.alpha0 + mass.alpha1);
+            let slip = if level > 0.0 { mass.sigma0 * speed.abs() / level } else { 0.0 };
+            fastest.max(mode).max(damping).max(slip)
+        })
+    }
+}
+
+impl Mass {
+    fn new(friction: &Friction, shaft: f64, inertia: f64) -> Self {
+        let (size, square) = (shaft.abs(), shaft * shaft);
+        Self {
+            per_inertia: 1.0 / inertia,
+            sigma0: friction.sigma0_nm_per_rad * square,
+            sigma1: friction.sigma1_nm_s_per_rad * square,
+            sigma2: friction.sigma2_nm_s_per_rad * square,
+            alpha0: friction.coulomb_nm * size,
+            alpha1: friction.stribeck_nm * size,
+            per_stribeck_velocity: size / friction.stribeck_velocity_rad_per_s,
+            shaft,
+        }
+    }
+
+    /// g(v) = α0 + α1 exp(−|v/v0|^δ), equation (3).
+    #[inline]
+    fn slip_level(&self, speed: f64, exponent: f64) -> f64 {
+        let relative = (speed * self.per_stribeck_velocity).abs();
+        let power = if exponent == 2.0 { relative * relative } else { relative.powf(exponent) };
+        if power > FORGOTTEN { self.alpha0 } else { self.alpha0 + self.alpha1 * (-power).exp() }
+    }
+
+    /// Bristle torque over the Coulomb level.
+    fn zeta(&self, bristle: f64) -> f64 {
+        if self.alpha0 > 0.0 { self.sigma0 * bristle / self.alpha0 } else { 0.0 }
+    }
+}
