@@ -1,6 +1,7 @@
 //! Host side of the joint: logs and model files, the f64 reference, refitting, discovery, reports.
 
 pub mod cli;
+pub mod cross_check;
 pub mod estimate;
 pub mod fault;
 pub mod inputs;
@@ -11,4 +12,5 @@ pub mod plant;
 pub mod reference;
 pub mod scenario;
 pub mod simulated;
+pub mod synthetic;
 pub mod verb;

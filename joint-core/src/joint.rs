@@ -86,6 +86,9 @@ pub(crate) struct Units<S: Scalar> {
     pub(crate) speed: S::Gain,
     pub(crate) torque: S::Gain,
     pub(crate) angle: S::Gain,
+    per_current: f64,
+    per_speed: f64,
+    per_angle: f64,
 }
 
 /// One mass: its speed and bristle, and the force and damping it was last found under.
@@ -231,6 +234,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 speed: S::gain(speed),
                 torque: S::gain(torque),
                 angle: S::gain(angle),
+                per_current: 1.0 / current,
+                per_speed: 1.0 / speed,
+                per_angle: 1.0 / angle,
             },
         })
     }
@@ -273,6 +279,17 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.effects.measured_current(state.current).times(self.units.current)
     }
 
+    /// What the sensor shows when this current flows, both in A.
+    pub fn measured(&self, amperes: f64) -> f64 {
+        let shown = self.effects.measured_current(S::from_f64(amperes * self.units.per_current));
+        shown.times(self.units.current).to_f64()
+    }
+
+    /// The current that flows where this one is commanded or measured, A.
+    pub fn imposed_current(&self, amperes: S) -> S {
+        self.effects.true_current(amperes.times(self.per_drive)).times(self.units.current)
+    }
+
     /// Speed of a mass as it is felt at the motor, rad/s; zero for a mass that is not there.
     pub fn speed(&self, state: &State<S, N>, mass: usize) -> S {
         self.mass(state, mass).map_or(S::ZERO, |mass| mass.speed.times(self.units.speed))
@@ -288,11 +305,44 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         state.stages.get(stage).map_or(S::ZERO, |s| s.deflection.times(self.units.angle))
     }
 
+    /// Sets the current, A. Call [`Joint::refresh`] after the last change to a state.
+    pub fn set_current(&self, state: &mut State<S, N>, amperes: f64) {
+        state.current = S::from_f64(amperes * self.units.per_current);
+    }
+
+    /// Sets a mass's speed as it is felt at the motor, rad/s.
+    pub fn set_speed(&self, state: &mut State<S, N>, mass: usize, rad_per_s: f64) {
+        if let Some(mass) = mass_mut(state, mass) {
+            mass.speed = S::from_f64(rad_per_s * self.units.per_speed);
+        }
+    }
+
+    /// Sets a mass's bristle torque over its Coulomb level.
+    pub fn set_bristle(&self, state: &mut State<S, N>, mass: usize, zeta: f64) {
+        if let Some(mass) = mass_mut(state, mass) {
+            mass.bristle.zeta = S::from_f64(zeta);
+        }
+    }
+
+    /// Sets a spring's deflection as it is felt at the motor, rad; stages count from 0.
+    pub fn set_deflection(&self, state: &mut State<S, N>, stage: usize, rad: f64) {
+        if let Some(stage) = state.stages.get_mut(stage) {
+            stage.deflection = S::from_f64(rad * self.units.per_angle);
+        }
+    }
+
     fn mass<'a>(&self, state: &'a State<S, N>, mass: usize) -> Option<&'a Mass<S>> {
         match mass.checked_sub(1) {
             None => Some(&state.rotor),
             Some(k) => state.stages.get(k).map(|stage| &stage.mass),
         }
+    }
+}
+
+fn mass_mut<S, const N: usize>(state: &mut State<S, N>, mass: usize) -> Option<&mut Mass<S>> {
+    match mass.checked_sub(1) {
+        None => Some(&mut state.rotor),
+        Some(k) => state.stages.get_mut(k).map(|stage| &mut stage.mass),
     }
 }
 

@@ -1,0 +1,28 @@
+//! Backlash: the stage's spring feels nothing inside a gap. It has no derivative at zero width, so
+//! it is tried at widths between a tenth and ten times the wind-up under the joint's breakaway torque.
+
+use joint_core::effect::{EffectParameters, Kind};
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+
+const WIDTHS: [f64; 7] = [0.1, 0.3, 0.7, 1.5, 3.0, 6.0, 12.0];
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    let mut all = Vec::new();
+    for (mass, place) in scene.masses().skip(1) {
+        if scene.has(Kind::Backlash, place) {
+            continue;
+        }
+        let stage = &scene.model.stages[mass - 1];
+        let torque = scene.torque_scale() / scene.shaft(mass).abs();
+        let windup = torque / stage.stiffness_nm_per_rad;
+        for width in WIDTHS.map(|factor| factor * windup).into_iter().filter(|w| *w < 0.5) {
+            all.push(Hypothesis {
+                start: EffectParameters::new(Kind::Backlash, place).with("width_rad", width),
+                free: vec![Free::Value { value: 0, scale: 0.3 * width, sigma: 30.0 }],
+            });
+        }
+    }
+    all
+}

@@ -1,0 +1,21 @@
+//! Load-dependent friction: the Coulomb level grows with the torque passed on, so driving and
+//! being driven differ.
+
+use joint_core::effect::{EffectParameters, Kind};
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    let frictional = scene.masses().filter(|(mass, _)| scene.friction(*mass).coulomb_nm > 0.0);
+    frictional
+        .filter(|(_, place)| !scene.has(Kind::LoadDependentFriction, *place))
+        .flat_map(|(_, place)| {
+            [0.0, 0.1].map(|coefficient| Hypothesis {
+                start: EffectParameters::new(Kind::LoadDependentFriction, place)
+                    .with("coefficient", coefficient),
+                free: vec![Free::Value { value: 0, scale: 0.03, sigma: 10.0 }],
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,73 @@
+//! A hypothesis: an effect at a place, with a start and what of it is free.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+
+use crate::estimate::coordinates::Coordinate;
+use crate::model::Model;
+
+/// One free value of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Free {
+    /// A value by its place among the effect's parameters: scale at which it matters, and one
+    /// sigma of its prior in scales.
+    Value {
+        /// Place of the value.
+        value: usize,
+        /// Scale.
+        scale: f64,
+        /// Prior.
+        sigma: f64,
+    },
+    /// An amplitude and the phase that follows it.
+    Phasor {
+        /// Place of the amplitude.
+        amplitude: usize,
+        /// Scale.
+        scale: f64,
+        /// Prior.
+        sigma: f64,
+    },
+}
+
+/// An effect that may be what is missing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// The effect at the values where its test starts; zero size for an effect that the model is
+    /// differentiable in there.
+    pub start: EffectParameters,
+    /// What of it is free.
+    pub free: Vec<Free>,
+}
+
+impl Hypothesis {
+    /// What it would be called.
+    pub fn name(&self) -> (Kind, Location) {
+        (self.start.kind, self.start.location)
+    }
+
+    /// A model with the effect added at its start.
+    pub fn added(&self, model: &Model) -> Model {
+        let mut model = model.clone();
+        model.effects.push(self.start);
+        model
+    }
+
+    /// Coordinates of the effect as the model's effect number `effect`.
+    pub fn coordinates(&self, effect: usize) -> Vec<Coordinate> {
+        let mut all = Vec::new();
+        for free in &self.free {
+            match *free {
+                Free::Value { value, scale, sigma } => {
+                    all.push(Coordinate::Effect { effect, value, scale, sigma });
+                }
+                Free::Phasor { amplitude, scale, sigma } => {
+                    for sine in [false, true] {
+                        all.push(Coordinate::Phasor { effect, amplitude, sine, scale, sigma });
+                    }
+                }
+            }
+        }
+        all
+    }
+}

@@ -1,0 +1,424 @@
+//! The filter: an extended Kalman filter designed once along a record, then run with its gains
+//! frozen.
+//!
+//! Designing costs one propagation for each state; running costs one in all. Because the gains are
+//! frozen, the innovations are a plain function of the parameters, and refitting is a nonlinear
+//! least-squares problem with an exact sensitivity by differences. Measurements are taken one
+//! channel after the other, which leaves the innovations uncorrelated between channels as well.
+
+use crate::estimate::record::{CHANNELS, Channel, Record};
+use crate::model::Model;
+use crate::plant::{Layout, Plant, inertias, output_shaft};
+
+/// A slow, unknown push on one equation of the joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Equation {
+    /// A voltage beside the applied one, V (a current, A, where the current is imposed).
+    Voltage,
+    /// A torque on one mass, reflected to the motor, Nm; 0 is the rotor.
+    Torque(usize),
+    /// What a sensor shows beside the truth.
+    Sensor(Channel),
+}
+
+/// A random walk on one equation, as an extra state of the filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walk {
+    /// Where it acts.
+    pub equation: Equation,
+    /// Its one sigma at the start.
+    pub initial: f64,
+    /// Its one sigma per root second.
+    pub rate: f64,
+}
+
+/// One sigma of every noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Voltage (or imposed current) beside the known one, held for a sample.
+    pub drive: f64,
+    /// Torque on the rotor beside the known ones, Nm, held for a sample.
+    pub torque: f64,
+    /// The sensors.
+    pub sensors: [f64; CHANNELS],
+}
+
+/// The filter's gains along a record, and the scale of its innovations.
+#[derive(Clone, Debug)]
+pub struct Gains {
+    order: usize,
+    /// By sample and channel: gain of the state on the innovation divided by its sigma.
+    gain: Vec<f64>,
+    /// By sample and channel: one over the innovation's sigma, zero where nothing is measured.
+    weight: Vec<[f64; CHANNELS]>,
+    walks: Vec<Walk>,
+}
+
+impl Gains {
+    /// Sum of the logarithms of the innovations' variances over the samples of a mask.
+    pub fn log_variance(&self, mask: &[f64]) -> f64 {
+        let log = |weight: &f64| if *weight > 0.0 { -2.0 * weight.ln() } else { 0.0 };
+        self.weight
+            .iter()
+            .zip(mask)
+            .map(|(row, mask)| mask * row.iter().map(log).sum::<f64>())
+            .sum()
+    }
+}
+
+/// What a filter makes of a record.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Whitened innovations by sample and channel; zero where nothing is measured.
+    pub innovations: Vec<[f64; CHANNELS]>,
+    /// State estimates after each sample's measurements, the walks last.
+    pub states: Vec<Vec<f64>>,
+    /// Minus twice the log-likelihood.
+    pub deviance: f64,
+}
+
+/// A joint seen through its sensors.
+pub struct Observer<'a> {
+    plant: &'a dyn Plant,
+    record: &'a Record,
+    layout: Layout,
+    shaft: f64,
+    inertia: Vec<f64>,
+    start_sigma: Vec<f64>,
+    steps: Vec<f64>,
+}
+
+impl<'a> Observer<'a> {
+    /// A plant observed over a record.
+    pub fn new(model: &Model, plant: &'a dyn Plant, record: &'a Record) -> Self {
+        let layout = Layout { stages: model.stages.len() };
+        let inertia = inertias(model);
+        let mut start_sigma = vec![0.0; layout.len()];
+        let mut steps = vec![0.0; layout.len()];
+        let first = record.grid.interval(0);
+        let span = |channel: Channel| {
+            let values = record.measured.iter().map(|row| row[channel as usize]);
+            values.filter(|v| v.is_finite()).fold(0.0_f64, |most, v| most.max(v.abs()))
+        };
+        let turn = record.sensor_sigma(model, Channel::Motor);
+        let fastest = speed_scale(record).max(turn / first * 1e-3);
+        let current = span(Channel::Current).max(1e-3);
+        start_sigma[Layout::CURRENT] = 0.1 * current;
+        start_sigma[Layout::ANGLE] = turn;
+        steps[Layout::CURRENT] = 1e-4 * current;
+        steps[Layout::ANGLE] = 1e-5;
+        for (k, stage) in model.stages.iter().enumerate() {
+            let shaft = joint_core::per_unit::Bases::si(&model.motor, &model.stages).shaft(k + 1);
+            let reach = stage.friction.breakaway_nm() / stage.stiffness_nm_per_rad / shaft.abs();
+            start_sigma[layout.deflection(k)] = reach.max(1e-9);
+            steps[layout.deflection(k)] = (1e-3 * reach).max(1e-9);
+        }
+        for mass in 0..=model.stages.len() {
+            start_sigma[layout.speed(mass)] = 1e-3 * fastest;
+            steps[layout.speed(mass)] = 1e-5 * fastest;
+            start_sigma[layout.bristle(mass)] = 0.3;
+            steps[layout.bristle(mass)] = 1e-4;
+        }
+        let shaft = output_shaft(model);
+        Self { plant, record, layout, shaft, inertia, start_sigma, steps }
+    }
+
+    /// Designs the gains along the record and runs it.
+    pub fn design(&self, noise: &Noise, walks: &[Walk]) -> (Gains, Run) {
+        let n = self.layout.len();
+        let order = n + walks.len();
+        let samples = self.record.len();
+        let mut gains = Gains {
+            order,
+            gain: vec![0.0; samples * CHANNELS * order],
+            weight: vec![[0.0; CHANNELS]; samples],
+            walks: walks.to_vec(),
+        };
+        let mut run = Run {
+            innovations: vec![[0.0; CHANNELS]; samples],
+            states: Vec::with_capacity(samples),
+            deviance: 0.0,
+        };
+        let mut x = self.start(order);
+        let mut p = vec![0.0; order * order];
+        for (k, sigma) in self.start_sigma.iter().enumerate() {
+            p[k * order + k] = sigma * sigma;
+        }
+        for (k, walk) in walks.iter().enumerate() {
+            p[(n + k) * order + n + k] = walk.initial * walk.initial;
+        }
+        let mut scratch = Scratch::new(order);
+        for k in 0..samples {
+            for channel in Channel::ALL {
+                let c = channel as usize;
+                let measured = self.record.measured[k][c];
+                if !measured.is_finite() {
+                    continue;
+                }
+                let row = &mut scratch.row;
+                self.sensitivity(channel, walks, row);
+                for a in 0..order {
+                    scratch.column[a] =
+                        (0..order).map(|b| p[a * order + b] * row[b]).sum::<f64>();
+                }
+                let sensor = noise.sensors[c];
+                let variance = dot(row, &scratch.column) + sensor * sensor;
+                let weight = 1.0 / variance.sqrt();
+                let error = (measured - self.shown(channel, &x, walks)) * weight;
+                run.innovations[k][c] = error;
+                run.deviance += error * error + variance.ln();
+                gains.weight[k][c] = weight;
+                let slot = (k * CHANNELS + c) * order;
+                for a in 0..order {
+                    let gain = scratch.column[a] * weight;
+                    gains.gain[slot + a] = gain;
+                    x[a] += gain * error;
+                }
+                for a in 0..order {
+                    let gain = scratch.column[a] * weight * weight;
+                    for b in 0..order {
+                        p[a * order + b] -= gain * scratch.column[b];
+                    }
+                }
+            }
+            run.states.push(x.clone());
+            if k + 1 < samples {
+                self.predict(k, &mut x, &mut p, noise, walks, &mut scratch);
+            }
+        }
+        (gains, run)
+    }
+
+    /// Runs the record with frozen gains; only the innovations.
+    pub fn innovations(&self, gains: &Gains) -> Vec<[f64; CHANNELS]> {
+        let order = gains.order;
+        let mut x = self.start(order);
+        let mut innovations = vec![[0.0; CHANNELS]; self.record.len()];
+        for k in 0..self.record.len() {
+            for channel in Channel::ALL {
+                let c = channel as usize;
+                let weight = gains.weight[k][c];
+                if weight == 0.0 {
+                    continue;
+                }
+                let shown = self.shown(channel, &x, &gains.walks);
+                let error = (self.record.measured[k][c] - shown) * weight;
+                innovations[k][c] = error;
+                let slot = (k * CHANNELS + c) * order;
+                for (value, gain) in x.iter_mut().zip(&gains.gain[slot..slot + order]) {
+                    *value += gain * error;
+                }
+            }
+            self.advance(k, &mut x, &gains.walks);
+        }
+        innovations
+    }
+
+    fn start(&self, order: usize) -> Vec<f64> {
+        let mut x = vec![0.0; order];
+        let first = self.record.measured[0];
+        if first[Channel::Motor as usize].is_finite() {
+            x[Layout::ANGLE] = first[Channel::Motor as usize];
+        }
+        if self.record.drive == joint_core::joint::Drive::Voltage
+            && first[Channel::Current as usize].is_finite()
+        {
+            x[Layout::CURRENT] = 0.0;
+        }
+        x
+    }
+
+    /// What a sensor shows of a state.
+    pub(super) fn shown(&self, channel: Channel, x: &[f64], walks: &[Walk]) -> f64 {
+        let n = self.layout.len();
+        let bias: f64 = walks
+            .iter()
+            .zip(&x[n..])
+            .filter(|(walk, _)| walk.equation == Equation::Sensor(channel))
+            .map(|(_, value)| *value)
+            .sum();
+        bias + match channel {
+            Channel::Current => self.plant.measured_current(x[Layout::CURRENT]),
+            Channel::Motor => x[Layout::ANGLE],
+            Channel::Output => {
+                let wound: f64 = (0..self.layout.stages).map(|k| x[self.layout.deflection(k)]).sum();
+                (x[Layout::ANGLE] - wound) * self.shaft
+            }
+        }
+    }
+
+    fn sensitivity(&self, channel: Channel, walks: &[Walk], row: &mut [f64]) {
+        row.fill(0.0);
+        match channel {
+            Channel::Current => row[Layout::CURRENT] = 1.0,
+            Channel::Motor => row[Layout::ANGLE] = 1.0,
+            Channel::Output => {
+                row[Layout::ANGLE] = self.shaft;
+                for k in 0..self.layout.stages {
+                    row[self.layout.deflection(k)] = -self.shaft;
+                }
+            }
+        }
+        let n = self.layout.len();
+        for (k, walk) in walks.iter().enumerate() {
+            if walk.equation == Equation::Sensor(channel) {
+                row[n + k] = 1.0;
+            }
+        }
+    }
+
+    /// One interval forward, with the walks' push.
+    fn advance(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
+        let n = self.layout.len();
+        let interval = self.record.grid.interval(k);
+        let mut drive = self.record.drive_values[k];
+        let mut kicks = [0.0; 8];
+        for (walk, value) in walks.iter().zip(&x[n..]) {
+            match walk.equation {
+                Equation::Voltage => drive += value,
+                Equation::Torque(mass) => kicks[mass] += value,
+                Equation::Sensor(_) => {}
+            }
+        }
+        self.plant.propagate(k, &mut x[..n], drive, self.record.load_nm[k]);
+        for (mass, torque) in kicks.iter().enumerate().take(self.layout.stages + 1) {
+            if *torque != 0.0 {
+                self.push(x, mass, *torque, interval);
+            }
+        }
+    }
+
+    /// A torque held over an interval, on a mass that is otherwise free.
+    pub(super) fn push(&self, x: &mut [f64], mass: usize, torque: f64, interval: f64) {
+        let gained = torque * interval / self.inertia[mass];
+        let moved = 0.5 * gained * interval;
+        x[self.layout.speed(mass)] += gained;
+        if mass == 0 {
+            x[Layout::ANGLE] += moved;
+        } else {
+            x[self.layout.deflection(mass - 1)] -= moved;
+        }
+        if mass < self.layout.stages {
+            x[self.layout.deflection(mass)] += moved;
+        }
+    }
+
+    fn predict(
+        &self,
+        k: usize,
+        x: &mut Vec<f64>,
+        p: &mut [f64],
+        noise: &Noise,
+        walks: &[Walk],
+        scratch: &mut Scratch,
+    ) {
+        let n = self.layout.len();
+        let order = x.len();
+        let interval = self.record.grid.interval(k);
+        let mut next = x.clone();
+        self.advance(k, &mut next, walks);
+        let f = &mut scratch.transition;
+        f.fill(0.0);
+        for (j, own) in self.steps.iter().copied().enumerate() {
+            // Away from the reversal: friction's derivative is taken on the side it moves to.
+            let step = if x[j] < 0.0 { -own } else { own };
+            let moved = &mut scratch.moved;
+            moved.copy_from_slice(x);
+            moved[j] += step;
+            self.advance(k, moved, walks);
+            for i in 0..n {
+                f[i * order + j] = (moved[i] - next[i]) / step;
+            }
+        }
+        let base = self.record.drive_values[k];
+        let push = 1e-4 * base.abs() + 1e-6;
+        let moved = &mut scratch.moved;
+        moved.copy_from_slice(x);
+        self.plant.propagate(k, &mut moved[..n], base + push, self.record.load_nm[k]);
+        let by_drive = &mut scratch.drive;
+        let mut plain = x.clone();
+        self.plant.propagate(k, &mut plain[..n], base, self.record.load_nm[k]);
+        for i in 0..n {
+            by_drive[i] = (moved[i] - plain[i]) / push;
+        }
+        let mut kick = vec![0.0; order];
+        self.push(&mut kick, 0, 1.0, interval);
+        for (j, walk) in walks.iter().enumerate() {
+            match walk.equation {
+                Equation::Voltage => {
+                    for i in 0..n {
+                        f[i * order + n + j] = by_drive[i];
+                    }
+                }
+                Equation::Torque(mass) => {
+                    let mut own = vec![0.0; order];
+                    self.push(&mut own, mass, 1.0, interval);
+                    for i in 0..n {
+                        f[i * order + n + j] = own[i];
+                    }
+                }
+                Equation::Sensor(_) => {}
+            }
+            f[(n + j) * order + n + j] = 1.0;
+        }
+        // P <- F P F' + Q
+        let half = &mut scratch.half;
+        for i in 0..order {
+            for j in 0..order {
+                half[i * order + j] =
+                    (0..order).map(|m| f[i * order + m] * p[m * order + j]).sum::<f64>();
+            }
+        }
+        for i in 0..order {
+            for j in 0..=i {
+                let mut sum = dot(&half[i * order..(i + 1) * order], &f[j * order..(j + 1) * order]);
+                if i < n && j < n {
+                    sum += noise.drive * noise.drive * by_drive[i] * by_drive[j]
+                        + noise.torque * noise.torque * kick[i] * kick[j];
+                }
+                p[i * order + j] = sum;
+                p[j * order + i] = sum;
+            }
+        }
+        for (j, walk) in walks.iter().enumerate() {
+            p[(n + j) * order + n + j] += walk.rate * walk.rate * interval;
+        }
+        *x = next;
+    }
+}
+
+struct Scratch {
+    row: Vec<f64>,
+    column: Vec<f64>,
+    moved: Vec<f64>,
+    drive: Vec<f64>,
+    transition: Vec<f64>,
+    half: Vec<f64>,
+}
+
+impl Scratch {
+    fn new(order: usize) -> Self {
+        Self {
+            row: vec![0.0; order],
+            column: vec![0.0; order],
+            moved: vec![0.0; order],
+            drive: vec![0.0; order],
+            transition: vec![0.0; order * order],
+            half: vec![0.0; order * order],
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A speed that the record reaches, rad/s.
+fn speed_scale(record: &Record) -> f64 {
+    let angle = |k: usize| record.measured[k][Channel::Motor as usize];
+    let gap = 20.min(record.len() / 2).max(1);
+    (gap..record.len())
+        .map(|k| (angle(k) - angle(k - gap)).abs() / (record.time_s[k] - record.time_s[k - gap]))
+        .filter(|speed| speed.is_finite())
+        .fold(0.0, f64::max)
+}

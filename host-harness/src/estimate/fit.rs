@@ -1,0 +1,223 @@
+//! Refitting: the parameters, and optionally some effects, that make the whitened innovations
+//! smallest, with a prior on each.
+//!
+//! Gauss–Newton with Levenberg's damping on frozen gains; the gains are designed anew at every
+//! accepted point. The first rounds trust the model little (large process noise), so that a model
+//! wrong by per cents is pulled in by every sample on its own; the last ones use the noise that the
+//! record itself shows.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::coordinates::Coordinate;
+use super::filter::{Equation, Gains, Noise, Observer, Walk};
+use super::record::{CHANNELS, Channel, Record};
+use crate::model::Model;
+use crate::plant::{BuildError, plant};
+
+/// A model fitted to a record.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The fitted model.
+    pub model: Model,
+    /// What was moved.
+    pub coordinates: Vec<Coordinate>,
+    /// Noise at which it was fitted.
+    pub noise: Noise,
+    /// The filter's gains at the fitted model.
+    pub gains: Gains,
+    /// Whitened innovations of the whole record at the fitted model.
+    pub innovations: Vec<[f64; CHANNELS]>,
+    /// Minus twice the log-likelihood over the samples fitted to, without priors.
+    pub deviance: f64,
+    /// Sum of the squared distances from the priors, in sigmas.
+    pub prior: f64,
+    /// Inverse of the posterior's curvature: covariance of the coordinates.
+    pub covariance: DMatrix<f64>,
+}
+
+/// A record, and the part of it that is fitted to.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a> {
+    /// The record.
+    pub record: &'a Record,
+    /// By sample: one where it is fitted to, zero where it is held out.
+    pub mask: &'a [f64],
+}
+
+/// The random constants that every filter carries: an encoder zeroed at the start of a log knows
+/// nothing of the wind-up at that moment.
+pub fn standing_walks(record: &Record) -> Vec<Walk> {
+    if record.has(Channel::Output) {
+        vec![Walk { equation: Equation::Sensor(Channel::Output), initial: 1e-2, rate: 0.0 }]
+    } else {
+        Vec::new()
+    }
+}
+
+impl Problem<'_> {
+    /// Designs the filter at a model and runs it: gains, innovations, masked deviance.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub fn design(
+        &self,
+        model: &Model,
+        noise: &Noise,
+    ) -> Result<(Gains, Vec<[f64; CHANNELS]>, f64), BuildError> {
+        let plant = plant(model, &self.record.grid, self.record.drive)?;
+        let observer = Observer::new(model, &*plant, self.record);
+        let (gains, run) = observer.design(noise, &standing_walks(self.record));
+        let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
+        Ok((gains, run.innovations, deviance))
+    }
+
+    /// Innovations of a model with frozen gains.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub fn innovations(
+        &self,
+        model: &Model,
+        gains: &Gains,
+    ) -> Result<Vec<[f64; CHANNELS]>, BuildError> {
+        let plant = plant(model, &self.record.grid, self.record.drive)?;
+        Ok(Observer::new(model, &*plant, self.record).innovations(gains))
+    }
+
+    /// Squared innovations over the samples fitted to; infinite where they are not numbers.
+    pub fn sum_of_squares(&self, innovations: &[[f64; CHANNELS]]) -> f64 {
+        let sum: f64 = innovations
+            .iter()
+            .zip(self.mask)
+            .map(|(row, weight)| weight * row.iter().map(|e| e * e).sum::<f64>())
+            .sum();
+        if sum.is_finite() { sum } else { f64::INFINITY }
+    }
+
+    /// Masked innovations as one vector.
+    pub fn residual(&self, innovations: &[[f64; CHANNELS]]) -> DVector<f64> {
+        let rows = innovations.iter().zip(self.mask);
+        DVector::from_iterator(
+            innovations.len() * CHANNELS,
+            rows.flat_map(|(row, weight)| row.map(|e| if *weight > 0.0 { e } else { 0.0 })),
+        )
+    }
+
+    /// Derivative of the residual with each coordinate, by central differences.
+    pub fn sensitivity(
+        &self,
+        model: &Model,
+        gains: &Gains,
+        coordinates: &[Coordinate],
+    ) -> DMatrix<f64> {
+        let columns: Vec<DVector<f64>> = coordinates
+            .par_iter()
+            .map(|coordinate| {
+                let step = coordinate.difference_step();
+                let side = |step: f64| {
+                    let mut moved = model.clone();
+                    coordinate.shift(&mut moved, step);
+                    self.innovations(&moved, gains).map(|rows| self.residual(&rows))
+                };
+                match (side(step), side(-step)) {
+                    (Ok(up), Ok(down)) => (up - down) / (2.0 * step),
+                    _ => DVector::zeros(self.record.len() * CHANNELS),
+                }
+            })
+            .collect();
+        if columns.is_empty() {
+            return DMatrix::zeros(self.record.len() * CHANNELS, 0);
+        }
+        DMatrix::from_columns(&columns)
+    }
+
+    /// Fits from a start; `origin` is where the priors are centred.
+    ///
+    /// # Errors
+    /// The start cannot be built.
+    pub fn fit(
+        &self,
+        origin: &Model,
+        start: &Model,
+        coordinates: &[Coordinate],
+        noise: &Noise,
+        rounds: usize,
+    ) -> Result<Fit, BuildError> {
+        let (mut gains, mut innovations, mut deviance) = self.design(start, noise)?;
+        let mut model = start.clone();
+        let precision = DVector::from_iterator(
+            coordinates.len(),
+            coordinates.iter().map(|c| c.prior_sigma().powi(-2)),
+        );
+        let offset = |model: &Model| {
+            DVector::from_iterator(
+                coordinates.len(),
+                coordinates.iter().map(|c| c.distance(origin, model)),
+            )
+        };
+        let mut damping = 1e-3;
+        let mut curvature = DMatrix::from_diagonal(&precision);
+        for round in 0..=rounds {
+            let residual = self.residual(&innovations);
+            let jacobian = self.sensitivity(&model, &gains, coordinates);
+            let at = offset(&model);
+            let gradient = jacobian.tr_mul(&residual) + precision.component_mul(&at);
+            let plain = jacobian.tr_mul(&jacobian);
+            curvature = &plain + DMatrix::from_diagonal(&precision);
+            if round == rounds {
+                break;
+            }
+            let before = self.sum_of_squares(&innovations)
+                + at.component_mul(&at).component_mul(&precision).sum();
+            let mut gained = 0.0;
+            for _ in 0..6 {
+                let mut damped = curvature.clone();
+                for k in 0..coordinates.len() {
+                    damped[(k, k)] += damping * curvature[(k, k)];
+                }
+                let Some(step) = damped.cholesky().map(|c| -c.solve(&gradient)) else { break };
+                let mut moved = model.clone();
+                for (coordinate, step) in coordinates.iter().zip(step.iter()) {
+                    coordinate.shift(&mut moved, coordinate.limited(*step));
+                }
+                let after = match self.innovations(&moved, &gains) {
+                    Ok(rows) => {
+                        let at = offset(&moved);
+                        self.sum_of_squares(&rows)
+                            + at.component_mul(&at).component_mul(&precision).sum()
+                    }
+                    Err(_) => f64::INFINITY,
+                };
+                if after < before {
+                    model = moved;
+                    gained = before - after;
+                    damping = (damping * 0.1).max(1e-9);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if gained > 0.0 {
+                (gains, innovations, deviance) = self.design(&model, noise)?;
+            }
+            if gained < 0.3 {
+                break;
+            }
+        }
+        let at = offset(&model);
+        let covariance = curvature
+            .clone()
+            .cholesky()
+            .map_or_else(|| DMatrix::zeros(coordinates.len(), coordinates.len()), |c| c.inverse());
+        Ok(Fit {
+            prior: at.component_mul(&at).component_mul(&precision).sum(),
+            model,
+            coordinates: coordinates.to_vec(),
+            noise: *noise,
+            gains,
+            innovations,
+            deviance,
+            covariance,
+        })
+    }
+}

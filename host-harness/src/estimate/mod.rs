@@ -1,0 +1,16 @@
+//! Prediction-error estimation: how well a model predicts a log, one sample ahead.
+//!
+//! A simulated trajectory drifts away from a measured one for reasons that are not the model's
+//! fault: noise that the joint really felt, and stick-slip that amplifies it. A filter that is
+//! corrected by every measurement does not, and what is left of its predictions, divided by what
+//! they should scatter, is white with variance one when the model is right. Everything here, from
+//! refitting to naming an effect, works on these whitened innovations.
+
+pub mod coordinates;
+pub mod filter;
+pub mod fit;
+pub mod noise;
+pub mod parameters;
+pub mod record;
+pub mod refit;
+pub mod twin;

@@ -1,0 +1,127 @@
+//! How much of a record's scatter is noise: what the sensors add, and what the joint really felt.
+//!
+//! Sensor noise comes from the model's `[sensor]` table where it says so. The rest is found by
+//! maximum likelihood, with an expectation: a supply that is quiet to some 0.2 % of the largest
+//! voltage, a friction torque that scatters by some 3 % of its breakaway level. The expectation
+//! keeps a missing effect from being declared noise.
+
+use super::fit::Problem;
+use super::filter::Noise;
+use super::record::{CHANNELS, Channel, Record};
+use crate::model::Model;
+use crate::plant::BuildError;
+use joint_core::joint::Drive;
+use joint_core::per_unit::Bases;
+
+/// One noise that can be moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Knob {
+    which: usize,
+    /// Logarithm of what is expected.
+    expected: f64,
+    /// One sigma of the expectation, in the logarithm.
+    spread: f64,
+}
+
+/// What noise a record's sensors and a joint's nature lead one to expect.
+pub fn expected(model: &Model, record: &Record) -> Noise {
+    let largest = record.drive_values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let bases = Bases::si(&model.motor, &model.stages);
+    let breakaway: f64 = (0..=model.stages.len())
+        .map(|mass| {
+            let friction = match mass.checked_sub(1) {
+                None => &model.motor.friction,
+                Some(k) => &model.stages[k].friction,
+            };
+            friction.breakaway_nm() * bases.shaft(mass).abs()
+        })
+        .sum();
+    let floor = 1e-3 * largest * model.motor.torque_constant_nm_per_a;
+    Noise {
+        drive: (2e-3 * largest).max(1e-9),
+        torque: if breakaway > 0.0 { 0.02 * breakaway } else { floor },
+        sensors: Channel::ALL.map(|channel| record.sensor_sigma(model, channel)),
+    }
+}
+
+/// Moves the noise to where the record's likelihood is highest at this model.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn refine(
+    problem: &Problem<'_>,
+    model: &Model,
+    expected: &Noise,
+    start: &Noise,
+) -> Result<Noise, BuildError> {
+    let mut knobs = vec![Knob { which: 1, expected: expected.torque.ln(), spread: 0.7 }];
+    if problem.record.drive == Drive::Voltage {
+        knobs.push(Knob { which: 0, expected: expected.drive.ln(), spread: 0.7 });
+    }
+    for channel in Channel::ALL {
+        if problem.record.has(channel) && !known(model, channel) {
+            let expected = expected.sensors[channel as usize].ln();
+            knobs.push(Knob { which: 2 + channel as usize, expected, spread: 3.0 });
+        }
+    }
+    let cost = |noise: &Noise| -> Result<f64, BuildError> {
+        let (_, _, deviance) = problem.design(model, noise)?;
+        let prior: f64 = knobs
+            .iter()
+            .map(|knob| ((get(noise, knob.which).ln() - knob.expected) / knob.spread).powi(2))
+            .sum();
+        Ok(deviance + prior)
+    };
+    let mut noise = *start;
+    let mut best = cost(&noise)?;
+    let mut stride = 0.7;
+    for _ in 0..3 {
+        for knob in &knobs {
+            let here = get(&noise, knob.which).ln();
+            let (mut up, mut down) = (noise, noise);
+            set(&mut up, knob.which, (here + stride).exp());
+            set(&mut down, knob.which, (here - stride).exp());
+            let (high, low) = (cost(&up)?, cost(&down)?);
+            // The parabola through three points, kept within twice the stride.
+            let bend = high + low - 2.0 * best;
+            let mut shift = if high < low { stride } else { -stride };
+            if bend > 0.0 {
+                shift = (0.5 * stride * (low - high) / bend).clamp(-2.0 * stride, 2.0 * stride);
+            }
+            let mut moved = noise;
+            set(&mut moved, knob.which, (here + shift).exp());
+            let mut trials = vec![(cost(&moved)?, moved), (high, up), (low, down)];
+            trials.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if trials[0].0 < best {
+                (best, noise) = trials[0];
+            }
+        }
+        stride *= 0.5;
+    }
+    Ok(noise)
+}
+
+/// Whether the model says what this sensor adds.
+fn known(model: &Model, channel: Channel) -> bool {
+    0.0 < match channel {
+        Channel::Current => model.sensor.current_noise_a,
+        Channel::Motor => model.sensor.motor_encoder_counts_per_rev,
+        Channel::Output => model.sensor.output_encoder_counts_per_rev,
+    }
+}
+
+fn get(noise: &Noise, which: usize) -> f64 {
+    match which {
+        0 => noise.drive,
+        1 => noise.torque,
+        k => noise.sensors[(k - 2).min(CHANNELS - 1)],
+    }
+}
+
+fn set(noise: &mut Noise, which: usize, value: f64) {
+    match which {
+        0 => noise.drive = value,
+        1 => noise.torque = value,
+        k => noise.sensors[(k - 2).min(CHANNELS - 1)] = value,
+    }
+}

@@ -1,0 +1,133 @@
+//! A log as the estimator sees it: inputs, measurements, and the grid of its intervals.
+
+use joint_core::joint::Drive;
+
+use crate::log::Log;
+use crate::model::Model;
+use crate::plant::Grid;
+
+/// The measured channels, in the order of the residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Channel {
+    /// Motor current.
+    Current,
+    /// Rotor angle.
+    Motor,
+    /// Angle behind the last stage.
+    Output,
+}
+
+/// Number of channels.
+pub const CHANNELS: usize = 3;
+
+impl Channel {
+    /// All of them, in order.
+    pub const ALL: [Channel; CHANNELS] = [Channel::Current, Channel::Motor, Channel::Output];
+
+    /// The log's column.
+    pub fn column(self) -> &'static str {
+        match self {
+            Channel::Current => "i_a",
+            Channel::Motor => "motor_angle_rad",
+            Channel::Output => "output_angle_rad",
+        }
+    }
+}
+
+/// One log, ready to be predicted.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// Sample times, s.
+    pub time_s: Vec<f64>,
+    /// What the drive imposes.
+    pub drive: Drive,
+    /// Volts or amperes, held until the next sample.
+    pub drive_values: Vec<f64>,
+    /// Known load at the output, Nm.
+    pub load_nm: Vec<f64>,
+    /// Measurements by sample and channel; NaN where there is none.
+    pub measured: Vec<[f64; CHANNELS]>,
+    /// The intervals.
+    pub grid: Grid,
+}
+
+impl Record {
+    /// From a log; `micro_steps` of every interval, `None` takes what the parameters ask for.
+    pub fn new(log: &Log, micro_steps: Option<u32>) -> Self {
+        let n = log.time_s.len();
+        let (drive, values) = match (&log.voltage_v, &log.current_a) {
+            (Some(voltage), _) => (Drive::Voltage, voltage.clone()),
+            (None, Some(current)) => (Drive::Current, current.clone()),
+            (None, None) => (Drive::Voltage, vec![0.0; n]),
+        };
+        let at = |column: &Option<Vec<f64>>, k: usize| {
+            column.as_ref().map_or(f64::NAN, |values| values[k])
+        };
+        let measured = (0..n)
+            .map(|k| {
+                let current =
+                    if drive == Drive::Voltage { at(&log.current_a, k) } else { f64::NAN };
+                [current, log.motor_angle_rad[k], at(&log.output_angle_rad, k)]
+            })
+            .collect();
+        Self {
+            time_s: log.time_s.clone(),
+            drive,
+            drive_values: held(values),
+            load_nm: held(log.load_torque_nm.clone().unwrap_or_else(|| vec![0.0; n])),
+            measured,
+            grid: Grid::new(&log.time_s, micro_steps),
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Whether a channel is measured at all.
+    pub fn has(&self, channel: Channel) -> bool {
+        self.measured.iter().any(|row| row[channel as usize].is_finite())
+    }
+
+    /// Noise that a channel's sensor adds, one sigma in its unit, as far as the model and the
+    /// record's digits tell; at least what rounding to a count or to the last printed digit leaves.
+    pub fn sensor_sigma(&self, model: &Model, channel: Channel) -> f64 {
+        let counts = match channel {
+            Channel::Current => {
+                return model.sensor.current_noise_a.max(self.digit(channel) / 12.0_f64.sqrt());
+            }
+            Channel::Motor => model.sensor.motor_encoder_counts_per_rev,
+            Channel::Output => model.sensor.output_encoder_counts_per_rev,
+        };
+        let count = if counts > 0.0 { std::f64::consts::TAU / counts } else { 0.0 };
+        count.max(self.digit(channel)) / 12.0_f64.sqrt()
+    }
+
+    /// Smallest change that a channel shows.
+    fn digit(&self, channel: Channel) -> f64 {
+        let steps = self.measured.windows(2).map(|pair| {
+            (pair[1][channel as usize] - pair[0][channel as usize]).abs()
+        });
+        let smallest = steps.filter(|step| *step > 1e-12).fold(f64::INFINITY, f64::min);
+        if smallest.is_finite() { smallest } else { 1e-6 }
+    }
+}
+
+/// Missing inputs hold the last value.
+fn held(mut values: Vec<f64>) -> Vec<f64> {
+    let mut last = 0.0;
+    for value in &mut values {
+        if value.is_finite() {
+            last = *value;
+        } else {
+            *value = last;
+        }
+    }
+    values
+}

@@ -1,0 +1,75 @@
+//! From a nominal model to the best one of the same structure.
+//!
+//! A spring that is twenty per cent off puts the chain's modes out of phase with the record, and
+//! from there a local search slides into a wrong valley; so the springs are tried stiffer and
+//! softer first, with a filter that trusts the model little. The rest follows by itself.
+
+use super::coordinates::Coordinate;
+use super::filter::Noise;
+use super::fit::{Fit, Problem};
+use super::noise;
+use super::parameters::Quantity;
+use crate::model::Model;
+use crate::plant::BuildError;
+
+/// How far a spring is tried off its nominal, in the logarithm.
+const SPRING_TRIAL: f64 = 0.2;
+/// How much less the model is trusted while the springs are tried.
+const DISTRUST: f64 = 3.0;
+
+/// Refits every parameter of a model to a record; `origin` centres the priors.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
+    let coordinates = coordinates(origin, problem);
+    let expected = noise::expected(origin, problem.record);
+    let wide = Noise {
+        drive: DISTRUST * expected.drive,
+        torque: DISTRUST * expected.torque,
+        ..expected
+    };
+    let mut best = problem.fit(origin, origin, &coordinates, &wide, 3)?;
+    for stage in (0..origin.stages.len()).rev() {
+        let from = best.model.clone();
+        for trial in [-SPRING_TRIAL, SPRING_TRIAL] {
+            let mut start = from.clone();
+            let spring = Quantity::Stiffness(stage);
+            spring.shift(&mut start, trial - spring.distance(origin, &from));
+            let fit = problem.fit(origin, &start, &coordinates, &wide, 3)?;
+            if cost(&fit) < cost(&best) {
+                best = fit;
+            }
+        }
+    }
+    polish(problem, origin, &best.model, &coordinates, &expected, &expected)
+}
+
+/// Refits from a model that is near already, and the noise with it.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn polish(
+    problem: &Problem<'_>,
+    origin: &Model,
+    start: &Model,
+    coordinates: &[Coordinate],
+    expected: &Noise,
+    noise: &Noise,
+) -> Result<Fit, BuildError> {
+    let first = noise::refine(problem, start, expected, noise)?;
+    let fit = problem.fit(origin, start, coordinates, &first, 6)?;
+    let second = noise::refine(problem, &fit.model, expected, &first)?;
+    problem.fit(origin, &fit.model, coordinates, &second, 4)
+}
+
+/// Deviance and prior together: what fits are compared by.
+pub fn cost(fit: &Fit) -> f64 {
+    fit.deviance + fit.prior
+}
+
+/// The parameters that a refit of this model moves.
+pub fn coordinates(model: &Model, problem: &Problem<'_>) -> Vec<Coordinate> {
+    let quantities = Quantity::of(model, problem.record.drive);
+    quantities.into_iter().map(Coordinate::Parameter).collect()
+}

@@ -1,0 +1,72 @@
+//! The twin: a record that the fitted model itself would have produced.
+//!
+//! Same inputs, same sensors, same noise, nothing missing. What a statistic is on twins is what it
+//! is when nothing is missing, so every threshold is taken from here.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::filter::{Noise, Observer};
+use super::fit::standing_walks;
+use super::record::{CHANNELS, Channel, Record};
+use crate::model::Model;
+use crate::plant::{BuildError, Layout, plant};
+
+/// A twin of a record.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn twin(
+    model: &Model,
+    record: &Record,
+    noise: &Noise,
+    seed: u64,
+) -> Result<Record, BuildError> {
+    let plant = plant(model, &record.grid, record.drive)?;
+    let observer = Observer::new(model, &*plant, record);
+    let layout = Layout { stages: model.stages.len() };
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
+    let mut state = vec![0.0; layout.len()];
+    state[Layout::ANGLE] = first_angle(record);
+    let mut twin = record.clone();
+    let count = Channel::ALL.map(|channel| 12.0_f64.sqrt() * noise.sensors[channel as usize]);
+    for k in 0..record.len() {
+        for channel in Channel::ALL {
+            let c = channel as usize;
+            if record.measured[k][c].is_finite() {
+                let shown = observer.shown(channel, &state, &[]);
+                twin.measured[k][c] = match channel {
+                    Channel::Current => shown + noise.sensors[c] * normal(),
+                    _ => (shown / count[c]).round() * count[c],
+                };
+            }
+        }
+        let drive = record.drive_values[k] + noise.drive * normal();
+        plant.propagate(k, &mut state, drive, record.load_nm[k]);
+        observer.push(&mut state, 0, noise.torque * normal(), record.grid.interval(k));
+    }
+    Ok(twin)
+}
+
+fn first_angle(record: &Record) -> f64 {
+    let c = Channel::Motor as usize;
+    record.measured.first().map_or(0.0, |row| if row[c].is_finite() { row[c] } else { 0.0 })
+}
+
+/// Innovations that a model leaves on its own twin.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn null_innovations(
+    model: &Model,
+    record: &Record,
+    noise: &Noise,
+    seed: u64,
+) -> Result<Vec<[f64; CHANNELS]>, BuildError> {
+    let twin = twin(model, record, noise, seed)?;
+    let plant = plant(model, &twin.grid, twin.drive)?;
+    let observer = Observer::new(model, &*plant, &twin);
+    Ok(observer.design(noise, &standing_walks(&twin)).1.innovations)
+}

@@ -1,0 +1,396 @@
+//! The joint behind one interface, whatever its number of stages.
+//!
+//! `joint-core` fixes the number of stages at compile time; a model file does not. This is where
+//! the one becomes the other, and where a log's uneven sampling becomes a set of joints, one per
+//! distinct interval.
+
+use std::collections::HashMap;
+
+use joint_core::angle::Angle;
+use joint_core::effect::EffectSet;
+use joint_core::joint::{Drive, Joint, Mass, Settings, StageState, State};
+use joint_core::params::ParameterError;
+use joint_core::per_unit::{Bases, reflected_inertia};
+use joint_core::scalar::Scalar;
+
+use crate::model::Model;
+
+/// Most stages a model has.
+pub const MAX_STAGES: usize = 6;
+
+/// Which number the joint is computed in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarKind {
+    /// Double precision.
+    F64,
+    /// Single precision, bit for bit as on the drive.
+    F32,
+}
+
+/// What drives a joint over a record: sample `k` is held from `time_s[k]` to `time_s[k + 1]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inputs {
+    /// Sample times, s, rising.
+    pub time_s: Vec<f64>,
+    /// What the drive imposes.
+    pub drive: Drive,
+    /// Volts or amperes.
+    pub drive_values: Vec<f64>,
+    /// Load at the output, Nm, positive against positive motion.
+    pub load_nm: Vec<f64>,
+}
+
+/// One stage at one instant, at its own side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageSnapshot {
+    /// Angle of the mass behind the spring, rad.
+    pub angle_rad: f64,
+    /// Its speed, rad/s.
+    pub speed_rad_per_s: f64,
+    /// Deflection of the spring, η q_in − q_out, rad.
+    pub windup_rad: f64,
+    /// Bristle torque over Coulomb level.
+    pub bristle: f64,
+}
+
+/// A joint at one instant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// Current in the winding, A.
+    pub current_a: f64,
+    /// What the current sensor shows, A.
+    pub measured_current_a: f64,
+    /// Rotor angle, rad.
+    pub motor_angle_rad: f64,
+    /// Rotor speed, rad/s.
+    pub motor_speed_rad_per_s: f64,
+    /// Bristle torque of the rotor over its Coulomb level.
+    pub motor_bristle: f64,
+    /// The stages, from the motor on.
+    pub stages: Vec<StageSnapshot>,
+}
+
+/// Why a joint cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum BuildError {
+    /// A parameter that the equations cannot take.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// More stages than the harness is compiled for.
+    #[error("the model has {0} stages; at most {MAX_STAGES} are supported")]
+    TooManyStages(usize),
+}
+
+/// A joint with its state as a plain vector, reflected to the motor:
+/// `[current A, angle rad, deflections rad…, speeds rad/s…, bristle ζ…]`.
+pub trait Plant: Send + Sync {
+    /// Advances a state over the interval after sample `k`; `drive` in V or A, `load` in Nm.
+    fn propagate(&self, k: usize, state: &mut [f64], drive: f64, load: f64);
+    /// What the current sensor shows, A, when this flows.
+    fn measured_current(&self, current: f64) -> f64;
+    /// Micro-steps in the interval after sample `k`.
+    fn micro_steps(&self, k: usize) -> u32;
+}
+
+/// Where each quantity stands in a plant's state vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of stages.
+    pub stages: usize,
+}
+
+impl Layout {
+    /// Current, A.
+    pub const CURRENT: usize = 0;
+    /// Rotor angle, rad.
+    pub const ANGLE: usize = 1;
+
+    /// Length of the vector.
+    pub const fn len(self) -> usize {
+        4 + 3 * self.stages
+    }
+
+    /// Always false: there is a rotor.
+    pub const fn is_empty(self) -> bool {
+        false
+    }
+
+    /// Deflection of a stage's spring, stages from 0.
+    pub const fn deflection(self, stage: usize) -> usize {
+        2 + stage
+    }
+
+    /// Speed of a mass, 0 at the rotor.
+    pub const fn speed(self, mass: usize) -> usize {
+        2 + self.stages + mass
+    }
+
+    /// Bristle of a mass.
+    pub const fn bristle(self, mass: usize) -> usize {
+        3 + 2 * self.stages + mass
+    }
+}
+
+struct Built<S: Scalar, const N: usize> {
+    /// One joint per distinct interval.
+    joints: Vec<Joint<S, N, EffectSet<S>>>,
+    /// Which of them serves the interval after a sample.
+    serves: Vec<u16>,
+}
+
+impl<S: Scalar, const N: usize> Built<S, N> {
+    fn new(model: &Model, grid: &Grid, drive: Drive) -> Result<Self, ParameterError> {
+        let stages: [_; N] = std::array::from_fn(|k| model.stages[k]);
+        let joints = grid
+            .intervals
+            .iter()
+            .map(|interval| {
+                let settings = Settings {
+                    drive,
+                    step_s: interval / f64::from(grid.per_interval),
+                    micro_steps: grid.micro_steps,
+                    effects: &model.effects,
+                };
+                Joint::<S, N, EffectSet<S>>::new(&model.motor, &stages, &model.load, &settings)
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { joints, serves: grid.serves.clone() })
+    }
+
+    fn joint(&self, k: usize) -> &Joint<S, N, EffectSet<S>> {
+        &self.joints[usize::from(self.serves[k.min(self.serves.len() - 1)])]
+    }
+}
+
+fn unpack<S: Scalar, const N: usize, E: joint_core::effect::Effects<S>>(
+    joint: &Joint<S, N, E>,
+    flat: &[f64],
+) -> State<S, N> {
+    let layout = Layout { stages: N };
+    let mut state = State {
+        current: S::ZERO,
+        angle: Angle::from_turns(flat[Layout::ANGLE] / std::f64::consts::TAU),
+        rotor: Mass::default(),
+        stages: [StageState::default(); N],
+    };
+    joint.set_current(&mut state, flat[Layout::CURRENT]);
+    for stage in 0..N {
+        joint.set_deflection(&mut state, stage, flat[layout.deflection(stage)]);
+    }
+    for mass in 0..=N {
+        joint.set_speed(&mut state, mass, flat[layout.speed(mass)]);
+        joint.set_bristle(&mut state, mass, flat[layout.bristle(mass)]);
+    }
+    joint.refresh(&mut state);
+    state
+}
+
+fn pack<S: Scalar, const N: usize, E: joint_core::effect::Effects<S>>(
+    joint: &Joint<S, N, E>,
+    state: &State<S, N>,
+    flat: &mut [f64],
+) {
+    let layout = Layout { stages: N };
+    flat[Layout::CURRENT] = joint.current(state).to_f64();
+    flat[Layout::ANGLE] = state.angle.to_turns() * std::f64::consts::TAU;
+    for stage in 0..N {
+        flat[layout.deflection(stage)] = joint.deflection(state, stage).to_f64();
+    }
+    for mass in 0..=N {
+        flat[layout.speed(mass)] = joint.speed(state, mass).to_f64();
+        flat[layout.bristle(mass)] = joint.bristle(state, mass).to_f64();
+    }
+}
+
+impl<const N: usize> Plant for Built<f64, N> {
+    fn propagate(&self, k: usize, flat: &mut [f64], drive: f64, load: f64) {
+        let joint = self.joint(k);
+        let mut state = unpack(joint, flat);
+        joint.step(&mut state, joint.input(drive, load));
+        pack(joint, &state, flat);
+    }
+
+    fn measured_current(&self, current: f64) -> f64 {
+        self.joints[0].measured(current)
+    }
+
+    fn micro_steps(&self, k: usize) -> u32 {
+        self.joint(k).micro_steps()
+    }
+}
+
+/// The distinct intervals of a record.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// Distinct intervals, s.
+    intervals: Vec<f64>,
+    serves: Vec<u16>,
+    /// Steps taken per interval.
+    per_interval: u32,
+    micro_steps: Option<u32>,
+}
+
+impl Grid {
+    /// Of a record's sample times, told apart to a ten-thousandth of the shortest.
+    pub fn new(time_s: &[f64], micro_steps: Option<u32>) -> Self {
+        let shortest =
+            time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        let unit = if shortest.is_finite() { shortest * 1e-4 } else { 1.0 };
+        let (mut intervals, mut serves) = (Vec::new(), Vec::with_capacity(time_s.len()));
+        let mut known = HashMap::new();
+        for pair in time_s.windows(2) {
+            // Few distinct values: a clock has jitter, but a file has digits.
+            let key = ((pair[1] - pair[0]) / unit).round() as i64;
+            let index = *known.entry(key).or_insert_with(|| {
+                intervals.push(key as f64 * unit);
+                (intervals.len() - 1) as u16
+            });
+            serves.push(index);
+        }
+        if intervals.is_empty() {
+            intervals.push(1.0);
+            serves.push(0);
+        }
+        Self { intervals, serves, per_interval: 1, micro_steps }
+    }
+
+    /// Length of the interval after sample `k`, s.
+    pub fn interval(&self, k: usize) -> f64 {
+        self.intervals[usize::from(self.serves[k.min(self.serves.len() - 1)])]
+    }
+}
+
+macro_rules! by_stages {
+    ($stages:expr, $n:ident => $body:expr) => {
+        match $stages {
+            0 => {
+                const $n: usize = 0;
+                $body
+            }
+            1 => {
+                const $n: usize = 1;
+                $body
+            }
+            2 => {
+                const $n: usize = 2;
+                $body
+            }
+            3 => {
+                const $n: usize = 3;
+                $body
+            }
+            4 => {
+                const $n: usize = 4;
+                $body
+            }
+            5 => {
+                const $n: usize = 5;
+                $body
+            }
+            6 => {
+                const $n: usize = 6;
+                $body
+            }
+            more => Err(BuildError::TooManyStages(more)),
+        }
+    };
+}
+
+/// A joint in double precision over a record's intervals.
+///
+/// # Errors
+/// A parameter that the equations cannot take, or too many stages.
+pub fn plant(model: &Model, grid: &Grid, drive: Drive) -> Result<Box<dyn Plant>, BuildError> {
+    by_stages!(model.stages.len(), N => {
+        Ok(Box::new(Built::<f64, N>::new(model, grid, drive)?))
+    })
+}
+
+/// Runs a model on inputs with the step of the drive; `step_s` divides every interval into steps
+/// of at most this length, `None` takes one step a sample.
+///
+/// # Errors
+/// A parameter that the equations cannot take, or too many stages.
+pub fn simulate(
+    model: &Model,
+    inputs: &Inputs,
+    scalar: ScalarKind,
+    step_s: Option<f64>,
+    micro_steps: Option<u32>,
+) -> Result<Vec<Snapshot>, BuildError> {
+    let mut grid = Grid::new(&inputs.time_s, micro_steps);
+    if let Some(step) = step_s {
+        let longest = grid.intervals.iter().copied().fold(0.0, f64::max);
+        grid.per_interval = ((longest / step - 1e-6).ceil() as u32).max(1);
+    }
+    by_stages!(model.stages.len(), N => Ok(match scalar {
+        ScalarKind::F64 => run(&Built::<f64, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
+        ScalarKind::F32 => run(&Built::<f32, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
+    }))
+}
+
+fn run<S: Scalar, const N: usize>(
+    built: &Built<S, N>,
+    grid: &Grid,
+    inputs: &Inputs,
+    model: &Model,
+) -> Vec<Snapshot> {
+    let bases = Bases::si(&model.motor, &model.stages);
+    let mut state = built.joint(0).rest();
+    let mut snapshots = Vec::with_capacity(inputs.time_s.len());
+    for k in 0..inputs.time_s.len() {
+        let joint = built.joint(k);
+        snapshots.push(snapshot(joint, &state, &bases));
+        let drive = S::from_f64(inputs.drive_values[k]);
+        let load = S::from_f64(inputs.load_nm.get(k).copied().unwrap_or(0.0));
+        if inputs.drive == Drive::Current {
+            joint.set_current(&mut state, joint.imposed_current(drive).to_f64());
+        }
+        for _ in 0..grid.per_interval {
+            joint.step(&mut state, joint.input(drive, load));
+        }
+    }
+    snapshots
+}
+
+fn snapshot<S: Scalar, const N: usize>(
+    joint: &Joint<S, N, EffectSet<S>>,
+    state: &State<S, N>,
+    bases: &Bases<'_>,
+) -> Snapshot {
+    let motor_angle_rad = state.angle.to_turns() * std::f64::consts::TAU;
+    let mut wound = 0.0;
+    let stages = (0..N)
+        .map(|stage| {
+            let shaft = bases.shaft(stage + 1);
+            let deflection = joint.deflection(state, stage).to_f64();
+            wound += deflection;
+            StageSnapshot {
+                angle_rad: (motor_angle_rad - wound) * shaft,
+                speed_rad_per_s: joint.speed(state, stage + 1).to_f64() * shaft,
+                windup_rad: deflection * shaft,
+                bristle: joint.bristle(state, stage + 1).to_f64() * shaft.signum(),
+            }
+        })
+        .collect();
+    Snapshot {
+        current_a: joint.current(state).to_f64(),
+        measured_current_a: joint.measured_current(state).to_f64(),
+        motor_angle_rad,
+        motor_speed_rad_per_s: joint.speed(state, 0).to_f64(),
+        motor_bristle: joint.bristle(state, 0).to_f64(),
+        stages,
+    }
+}
+
+/// Inertia of every mass reflected to the motor, kg m², the rotor first.
+pub fn inertias(model: &Model) -> Vec<f64> {
+    (0..=model.stages.len())
+        .map(|mass| reflected_inertia(&model.motor, &model.stages, &model.load, mass))
+        .collect()
+}
+
+/// Product of the ratios η from the motor to the output.
+pub fn output_shaft(model: &Model) -> f64 {
+    Bases::si(&model.motor, &model.stages).shaft(model.stages.len())
+}
