@@ -11,18 +11,12 @@ pub(super) struct BogackiShampine<'a> {
     equations: &'a Equations,
     rates: [Vec<f64>; 3],
     stage: Vec<f64>,
-    held: Option<Held>,
 }
 
 impl<'a> BogackiShampine<'a> {
     pub(super) fn new(equations: &'a Equations) -> Self {
         let zeros = equations.rest();
-        Self {
-            equations,
-            rates: [zeros.clone(), zeros.clone(), zeros.clone()],
-            stage: zeros,
-            held: None,
-        }
+        Self { equations, rates: [zeros.clone(), zeros.clone(), zeros.clone()], stage: zeros }
     }
 
     /// Advances the state by `duration` in steps of at most `step`.
@@ -30,10 +24,8 @@ impl<'a> BogackiShampine<'a> {
         let steps = (duration / step - 1e-6).ceil().max(1.0);
         let h = duration / steps;
         let [first, second, third] = &mut self.rates;
-        if self.held != Some(*held) {
-            self.equations.derivative(held, state, first);
-            self.held = Some(*held);
-        }
+        // Once a sample, so that a caller may change the state in between.
+        self.equations.derivative(held, state, first);
         for _ in 0..steps as u64 {
             for ((new, old), rate) in self.stage.iter_mut().zip(&*state).zip(&*first) {
                 *new = old + 0.5 * h * rate;

@@ -16,10 +16,11 @@ use joint_core::params::Friction;
 use joint_core::per_unit::{Bases, reflected_inertia};
 
 use super::ReferenceError;
+use super::rates::standing_rate;
 use crate::model::Model;
-use crate::plant::{Layout, Snapshot, StageSnapshot};
+use crate::plant::Layout;
 
-/// Beyond this the Stribeck exponential is below the last bit of what it is added to.
+/// From this power on the Stribeck exponential is below the last bit of what it is added to.
 const FORGOTTEN: f64 = 45.0;
 
 /// What acts on the joint over one sample.
@@ -33,35 +34,38 @@ pub struct Held {
     pub torque: f64,
 }
 
-struct Mass {
-    per_inertia: f64,
-    sigma0: f64,
-    sigma1: f64,
-    sigma2: f64,
-    alpha0: f64,
-    alpha1: f64,
-    per_stribeck_velocity: f64,
+pub(super) struct Mass {
+    pub(super) per_inertia: f64,
+    pub(super) sigma0: f64,
+    pub(super) sigma1: f64,
+    pub(super) sigma2: f64,
+    pub(super) alpha0: f64,
+    pub(super) alpha1: f64,
+    pub(super) per_stribeck_velocity: f64,
     /// Product of the ratios η up to this mass.
-    shaft: f64,
+    pub(super) shaft: f64,
 }
 
-struct Spring {
-    linear: f64,
-    cubic: f64,
-    damping: f64,
+pub(super) struct Spring {
+    pub(super) linear: f64,
+    pub(super) cubic: f64,
+    pub(super) damping: f64,
 }
 
 /// The equations of one joint.
 pub struct Equations {
-    masses: Vec<Mass>,
+    pub(super) masses: Vec<Mass>,
     springs: Vec<Spring>,
-    torque_constant: f64,
-    resistance: f64,
+    pub(super) torque_constant: f64,
+    pub(super) resistance: f64,
     /// One over 2L; `None` where the current follows at once.
-    per_inductance: Option<f64>,
-    drive: Drive,
+    pub(super) per_inductance: Option<f64>,
+    pub(super) drive: Drive,
     stribeck_exponent: f64,
-    effects: Option<EffectSet<f64>>,
+    /// Speed over Stribeck velocity from which the exponential is forgotten.
+    forgotten: f64,
+    pub(super) standing_rate: f64,
+    pub(super) effects: Option<EffectSet<f64>>,
 }
 
 impl Equations {
@@ -100,14 +104,18 @@ impl Equations {
                 damping: stage.damping_nm_s_per_rad * square,
             }
         });
+        let springs: Vec<Spring> = springs.collect();
+        let electric = if lags { resistance / inductance } else { 0.0 };
         Ok(Self {
+            standing_rate: standing_rate(&masses, &springs, electric),
             masses,
-            springs: springs.collect(),
+            springs,
             torque_constant: motor.torque_constant_nm_per_a,
             resistance,
             per_inductance: lags.then(|| 1.0 / inductance),
             drive,
             stribeck_exponent,
+            forgotten: FORGOTTEN.powf(1.0 / stribeck_exponent),
             effects: (!effects.is_empty()).then_some(effects),
         })
     }
@@ -189,93 +197,29 @@ impl Equations {
             Some(effects) => 1.0 / effects.inverse_level(number, speed, transmitted),
             None => 1.0,
         };
-        let slip_level = level * mass.slip_level(speed, self.stribeck_exponent);
+        let slip_level = level * self.slip_level(mass, speed);
         let rate = speed - mass.sigma0 * speed.abs() * bristle / slip_level;
         let viscous = mass.sigma2 * self.viscous(number, speed);
         (mass.sigma0 * bristle + mass.sigma1 * rate + viscous * speed, rate)
     }
 
+    /// g(v) = α0 + α1 exp(−|v/v0|^δ), equation (3).
+    #[inline]
+    fn slip_level(&self, mass: &Mass, speed: f64) -> f64 {
+        let relative = (speed * mass.per_stribeck_velocity).abs();
+        if relative > self.forgotten {
+            return mass.alpha0;
+        }
+        let power = if self.stribeck_exponent == 2.0 {
+            relative * relative
+        } else {
+            relative.powf(self.stribeck_exponent)
+        };
+        mass.alpha0 + mass.alpha1 * (-power).exp()
+    }
+
     fn viscous(&self, number: usize, speed: f64) -> f64 {
         self.effects.as_ref().map_or(1.0, |effects| effects.viscous(number, speed))
-    }
-
-    #[inline]
-    fn current_rate(&self, held: &Held, current: f64, speed: f64) -> f64 {
-        let Some(per_inductance) = self.per_inductance else { return 0.0 };
-        let driving = held.drive - self.drop(current);
-        (driving - self.resistance * current - self.torque_constant * speed) * per_inductance
-    }
-
-    fn drop(&self, current: f64) -> f64 {
-        let effects = self.effects.as_ref();
-        effects.map_or(0.0, |effects| self.resistance * effects.voltage_drop(current, 0.0))
-    }
-
-    /// The current that flows: the state's, or the one that the inputs impose at once.
-    #[inline]
-    fn current(&self, held: &Held, state: f64, speed: f64) -> f64 {
-        match (self.drive, self.per_inductance) {
-            (Drive::Voltage, Some(_)) => state,
-            (Drive::Voltage, None) => {
-                self.without_lag((held.drive - self.torque_constant * speed) / self.resistance)
-            }
-            (Drive::Current, _) => {
-                self.effects.as_ref().map_or(held.drive, |effects| effects.true_current(held.drive))
-            }
-        }
-    }
-
-    /// Solves `i + drop(i)/2R = free`, whose left side rises with i and lies between 0 and free.
-    fn without_lag(&self, free: f64) -> f64 {
-        if self.drop(free) == 0.0 {
-            return free;
-        }
-        let (mut low, mut high) = (0.0, free);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            let excess = middle + self.drop(middle) / self.resistance - free;
-            // Where free is negative, so are low and high, and both sides change sign.
-            if excess * free.signum() > 0.0 {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        0.5 * (low + high)
-    }
-
-    /// Puts a current that follows at once into the state.
-    pub fn settle(&self, held: &Held, state: &mut [f64]) {
-        let speed = state[self.layout().speed(0)];
-        state[Layout::CURRENT] = self.current(held, state[Layout::CURRENT], speed);
-    }
-
-    /// The state as it is reported.
-    pub fn snapshot(&self, state: &[f64]) -> Snapshot {
-        let layout = self.layout();
-        let current_a = state[Layout::CURRENT];
-        let effects = self.effects.as_ref();
-        let bristle = |k: usize| self.masses[k].zeta(state[layout.bristle(k)]);
-        let mut angle = state[Layout::ANGLE];
-        let stages = (0..layout.stages).map(|k| {
-            let shaft = self.masses[k + 1].shaft;
-            angle -= state[layout.deflection(k)];
-            StageSnapshot {
-                angle_rad: angle * shaft,
-                speed_rad_per_s: state[layout.speed(k + 1)] * shaft,
-                windup_rad: state[layout.deflection(k)] * shaft,
-                bristle: bristle(k + 1) * shaft.signum(),
-            }
-        });
-        Snapshot {
-            current_a,
-            measured_current_a: effects
-                .map_or(current_a, |effects| effects.measured_current(current_a)),
-            motor_angle_rad: state[Layout::ANGLE],
-            motor_speed_rad_per_s: state[layout.speed(0)],
-            motor_bristle: bristle(0),
-            stages: stages.collect(),
-        }
     }
 
     /// Deflection of a mass's bristle at its Coulomb level, rad at the motor; zero without friction.
@@ -284,24 +228,6 @@ impl Equations {
             .get(mass)
             .filter(|mass| mass.sigma0 > 0.0)
             .map_or(0.0, |mass| mass.alpha0 / mass.sigma0)
-    }
-
-    /// The fastest rate in the equations at speeds up to this one (rad/s at the motor), per
-    /// second: an explicit method's step times this must stay of the order of one.
-    pub fn fastest_rate(&self, speed: f64) -> f64 {
-        let electric = self.per_inductance.map_or(0.0, |per| per * self.resistance);
-        self.masses.iter().enumerate().fold(electric, |fastest, (k, mass)| {
-            let springs = [k.checked_sub(1), Some(k)].into_iter().flatten();
-            let stiffness: f64 = springs
-                .filter_map(|spring| self.springs.get(spring))
-                .map(|spring| spring.linear)
-                .sum();
-            let mode = ((2.0 * stiffness + mass.sigma0) * mass.per_inertia).sqrt();
-            let damping = (mass.sigma1 + mass.sigma2) * mass.per_inertia;
-            let level = mass.alpha0.min(mass.alpha0 + mass.alpha1);
-            let slip = if level > 0.0 { mass.sigma0 * speed.abs() / level } else { 0.0 };
-            fastest.max(mode).max(damping).max(slip)
-        })
     }
 }
 
@@ -320,16 +246,8 @@ impl Mass {
         }
     }
 
-    /// g(v) = α0 + α1 exp(−|v/v0|^δ), equation (3).
-    #[inline]
-    fn slip_level(&self, speed: f64, exponent: f64) -> f64 {
-        let relative = (speed * self.per_stribeck_velocity).abs();
-        let power = if exponent == 2.0 { relative * relative } else { relative.powf(exponent) };
-        if power > FORGOTTEN { self.alpha0 } else { self.alpha0 + self.alpha1 * (-power).exp() }
-    }
-
     /// Bristle torque over the Coulomb level.
-    fn zeta(&self, bristle: f64) -> f64 {
+    pub(super) fn zeta(&self, bristle: f64) -> f64 {
         if self.alpha0 > 0.0 { self.sigma0 * bristle / self.alpha0 } else { 0.0 }
     }
 }

@@ -189,3 +189,17 @@ fn nonsense_is_refused_without_a_panic() {
     still.motor.phase_resistance_ohm = 0.0;
     assert_eq!(simulate(&still, &good, &explicit(1e-6)), Err(ReferenceError::NoResistance));
 }
+
+#[test]
+fn a_step_scaled_to_the_speed_is_as_good_as_converged() {
+    let model = scenario::paper();
+    for scenario in scenario::ALL {
+        let inputs = scenario.lasting(0.05).inputs();
+        let run = simulate(&model, &inputs, &Options::of(Method::Scaled { share: 0.4 })).unwrap();
+        let finer = simulate(&model, &inputs, &explicit(2.5e-8)).unwrap();
+        for quantity in Quantity::of(2) {
+            let error = quantity.relative_rms(&finer, &run);
+            assert!(error < 1e-4, "{} {quantity}: {error:e}", scenario.name);
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! How fast the equations relax, which is what bounds an explicit step.
+
+use super::equations::{Equations, Mass, Spring};
+
+impl Equations {
+    /// The fastest rate in the equations near a state, per second: an explicit method's step times
+    /// this must stay below one. Bristles are taken at one and a half times their speed and three
+    /// times the Stribeck velocity more, since the state moves on.
+    pub fn rate_near(&self, state: &[f64]) -> f64 {
+        let layout = self.layout();
+        self.rate(|k, mass| {
+            let speed = state.get(layout.speed(k)).copied().unwrap_or(0.0);
+            1.5 * speed.abs() + 3.0 / mass.per_stribeck_velocity
+        })
+    }
+
+    /// The fastest rate in the equations where every mass runs at this speed, rad/s at the motor.
+    pub fn rate_at(&self, speed: f64) -> f64 {
+        self.rate(|_, _| speed.abs())
+    }
+
+    fn rate(&self, speed: impl Fn(usize, &Mass) -> f64) -> f64 {
+        self.masses.iter().enumerate().fold(self.standing_rate, |fastest, (k, mass)| {
+            let level = mass.alpha0.min(mass.alpha0 + mass.alpha1);
+            fastest.max(if level > 0.0 { mass.sigma0 * speed(k, mass) / level } else { 0.0 })
+        })
+    }
+}
+
+/// The fastest rate at standstill: of the current, of the chain's modes, and of damping.
+pub(super) fn standing_rate(masses: &[Mass], springs: &[Spring], electric: f64) -> f64 {
+    masses.iter().enumerate().fold(electric, |fastest, (k, mass)| {
+        let around = [k.checked_sub(1), Some(k)].into_iter().flatten();
+        let (mut stiffness, mut damping) = (mass.sigma0, mass.sigma1 + mass.sigma2);
+        for spring in around.filter_map(|spring| springs.get(spring)) {
+            stiffness += 2.0 * spring.linear;
+            damping += 2.0 * spring.damping;
+        }
+        fastest.max((stiffness * mass.per_inertia).sqrt()).max(damping * mass.per_inertia)
+    })
+}
