@@ -37,6 +37,7 @@ macro_rules! verbs {
 
 verbs! {
     Simulate => simulate,
+    CrossCheck => cross_check,
 }
 
 /// Runs the command line of this process.
