@@ -2,5 +2,6 @@
 //! when it is added.
 
 pub mod candidates;
+pub mod findings;
 pub mod hypothesis;
 pub mod score_test;

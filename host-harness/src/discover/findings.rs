@@ -1,0 +1,197 @@
+//! What a discovery found: the answer, and everything a reader needs to believe it.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::estimate::record::CHANNELS;
+use crate::model::Model;
+
+/// The answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Answer {
+    /// Something is missing, it has a name, and with it the model explains the log.
+    Effect,
+    /// Nothing is missing that this log shows.
+    Adequate,
+    /// Something is missing that no listed effect explains.
+    Unknown,
+}
+
+/// Another name that was considered.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rival {
+    /// Its kind.
+    pub kind: String,
+    /// Its place.
+    pub location: String,
+    /// Its share of the confidence.
+    pub confidence: f64,
+}
+
+/// An effect by name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Named {
+    /// Its kind.
+    pub kind: String,
+    /// Its place.
+    pub location: String,
+    /// Its parameters by key.
+    pub parameters: BTreeMap<String, f64>,
+    /// One sigma of those that were fitted.
+    pub standard_errors: BTreeMap<String, f64>,
+    /// Probability that the name is right.
+    pub confidence: f64,
+    /// The other names.
+    pub rivals: Vec<Rival>,
+}
+
+/// Where the refitted nominal model and the log disagree.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Whereabouts {
+    /// The equation that a slow push would help most.
+    pub equation: String,
+    /// The coordinate that the push follows.
+    pub varies_with: String,
+    /// Its orders where that coordinate is an angle, strongest first.
+    pub orders: Vec<f64>,
+    /// Share of the push's variance that the coordinate explains.
+    pub explained: f64,
+}
+
+/// How far predictions miss, on data that neither fit nor choice has seen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// The refitted nominal.
+    pub before: f64,
+    /// With the effects.
+    pub after: f64,
+    /// What noise alone leaves.
+    pub floor: f64,
+    /// Unit of the three.
+    pub unit: &'static str,
+    /// Before, after and floor by log column.
+    pub signals: BTreeMap<String, [f64; 3]>,
+}
+
+/// `verdict.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// The answer.
+    pub verdict: Answer,
+    /// What was found, the most certain name first.
+    pub effects: Vec<Named>,
+    /// Where the refitted nominal and the log disagree.
+    #[serde(rename = "where")]
+    pub whereabouts: Whereabouts,
+    /// How far they disagree.
+    pub gap: Gap,
+    /// What to measure next.
+    pub next_experiment: String,
+    /// Wall time, s.
+    pub seconds: f64,
+    /// Why the answer is what it is, in sentences.
+    pub reasons: Vec<String>,
+}
+
+/// A slow push on one equation, as the filter estimates it along the log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Push {
+    /// The equation.
+    pub equation: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Estimate by sample, before the effects were added.
+    pub before: Vec<f64>,
+    /// Estimate by sample with the effects.
+    pub after: Vec<f64>,
+}
+
+/// The push against the coordinate that it follows: means by bin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// The coordinate, with its unit.
+    pub coordinate: String,
+    /// Centre of each bin.
+    pub centres: Vec<f64>,
+    /// Mean push in the bin, before.
+    pub before: Vec<f64>,
+    /// Mean push in the bin, after.
+    pub after: Vec<f64>,
+}
+
+/// A parameter's way through the refits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterRow {
+    /// Its place in the model file.
+    pub key: String,
+    /// As given.
+    pub nominal: f64,
+    /// After the refit of the nominal structure.
+    pub refitted: f64,
+    /// In the improved model.
+    pub improved: f64,
+    /// One sigma in the improved model, relative.
+    pub relative_sigma: f64,
+}
+
+/// How a hypothesis did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScoreRow {
+    /// In which round of the search, from 1.
+    pub round: usize,
+    /// Kind and place.
+    pub name: String,
+    /// What its linear step would take from minus twice the log-likelihood.
+    pub score: f64,
+    /// What its full refit did take, where it was refitted.
+    pub refitted: Option<f64>,
+}
+
+/// One noise, as expected and as found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseRow {
+    /// Which.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What the sensors and the joint's nature lead one to expect.
+    pub expected: f64,
+    /// What the refitted nominal needs.
+    pub before: f64,
+    /// What the improved model needs.
+    pub after: f64,
+}
+
+/// Everything a discovery found.
+#[derive(Clone, Debug)]
+pub struct Findings {
+    /// The answer.
+    pub verdict: Verdict,
+    /// The model as given.
+    pub nominal: Model,
+    /// The improved model: refitted, with the effects.
+    pub improved: Model,
+    /// Sample times of the first log, s.
+    pub time_s: Vec<f64>,
+    /// By sample: whether neither fit nor choice has seen it.
+    pub held_out: Vec<bool>,
+    /// Prediction errors in noise sigmas by sample and channel (current, motor angle, output
+    /// angle; NaN where not measured): the refitted nominal.
+    pub before: Vec<[f64; CHANNELS]>,
+    /// The same with the effects.
+    pub after: Vec<[f64; CHANNELS]>,
+    /// The push on the equation that disagrees most.
+    pub push: Push,
+    /// What the push follows.
+    pub shape: Shape,
+    /// Amplitude of the push by order of the motor angle: order, before, after.
+    pub orders: Vec<[f64; 3]>,
+    /// Parameters.
+    pub parameters: Vec<ParameterRow>,
+    /// Hypotheses.
+    pub scores: Vec<ScoreRow>,
+    /// Noises.
+    pub noises: Vec<NoiseRow>,
+}
