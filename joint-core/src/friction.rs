@@ -6,6 +6,8 @@
 //! stable at every step. Equations (2) and (3); symbols as there, with `ζ = σ0 z / α0` the bristle
 //! torque in units of the Coulomb level and `ρ = α0 / g(v)`.
 
+use crate::effect::Effects;
+use crate::joint::Mass;
 use crate::params;
 use crate::scalar::Scalar;
 
@@ -73,16 +75,54 @@ impl<S: Scalar> Friction<S> {
         S::ONE.over(S::ONE + self.beta * (relative * relative).exp_minus())
     }
 
-    /// Moves the bristle over half a step at this speed; `inverse_level` is one over an effect's
-    /// factor on g(v).
+    /// Moves a mass's bristle over half a step at its speed; `inverse_levels` are one over the
+    /// effects' factor on g(v) at the start and at the end.
     #[inline]
-    pub(crate) fn flow(&self, bristle: &mut Bristle<S>, speed: S, inverse_level: S) {
-        let rho = self.rho(speed) * inverse_level;
+    pub(crate) fn advance<E: Effects<S>>(&self, mass: &mut Mass<S>, inverse_levels: [S; 2]) {
+        if E::LEVELS {
+            self.flow_along(&mut mass.bristle, mass.speed, inverse_levels);
+        } else {
+            self.flow(&mut mass.bristle, mass.speed);
+        }
+    }
+
+    /// Moves the bristle over half a step at this speed.
+    #[inline]
+    fn flow(&self, bristle: &mut Bristle<S>, speed: S) {
+        let rho = self.rho(speed);
         let reach = speed.times(self.kappa);
         let decay = reach.abs() * rho;
         let series = S::ONE + decay * S::HALF;
         bristle.zeta = (bristle.zeta + reach * series).over(S::ONE + decay * series);
         bristle.rho = rho;
+    }
+
+    /// Moves the bristle over half a step in which an effect's factor on g(v) changes; both
+    /// `inverse_levels` are one over it, at the start and at the end.
+    ///
+    /// A level that follows a vibrating spring pumps or damps that vibration by the bristle's lag
+    /// behind it, so the lag is part of the flow: for a level that changes evenly, the slip value
+    /// that the bristle sees is the one at `w = 1/(1 − e^−x) − 1/x` of the way, here as a quotient
+    /// of polynomials that is right at both ends.
+    #[inline]
+    fn flow_along(&self, bristle: &mut Bristle<S>, speed: S, inverse_levels: [S; 2]) {
+        let [start, end] = inverse_levels;
+        let plain = self.rho(speed);
+        let reach = speed.times(self.kappa);
+        let decay = reach.abs() * plain * (start + end) * S::HALF;
+        let three = S::ONE + S::ONE + S::ONE;
+        let square = decay * decay;
+        let (above, below) = (
+            three + three + three * decay + square,
+            square + decay + three * (three + decay + S::ONE),
+        );
+        let way = above.over(below);
+        let (first, last) = (S::ONE.over(start), S::ONE.over(end));
+        let target = (first + (last - first) * way).over(plain);
+        let target = if speed < S::ZERO { -target } else { target };
+        let series = decay * (S::ONE + decay * S::HALF);
+        bristle.zeta = (bristle.zeta + series * target).over(S::ONE + series);
+        bristle.rho = plain * end;
     }
 
     /// χ = ż / v = 1 − sgn(v) ζ ρ: the share of the motion that bends the bristle.

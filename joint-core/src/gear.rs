@@ -10,6 +10,7 @@ use crate::scalar::Scalar;
 pub struct Spring<S: Scalar> {
     linear: S::Gain,
     cubic: S::Gain,
+    damping: S::Gain,
     /// Share of the relative speed that damping takes in half a step, on the mass before and after.
     before: S::Gain,
     after: S::Gain,
@@ -22,7 +23,7 @@ impl<S: Scalar> Spring<S> {
         stage: &Stage,
         shaft: f64,
         half_step: f64,
-        [torque, angle]: [f64; 2],
+        [torque, speed, angle]: [f64; 3],
         inertia: [f64; 2],
     ) -> Self {
         let square = shaft * shaft;
@@ -34,6 +35,7 @@ impl<S: Scalar> Spring<S> {
         Self {
             linear: S::gain(linear * angle / torque),
             cubic: S::gain(cubic * angle * angle * angle / torque),
+            damping: S::gain(stage.damping_nm_s_per_rad * square * speed / torque),
             before: S::gain(taken / (before * mobility)),
             after: S::gain(taken / (after * mobility)),
         }
@@ -44,6 +46,12 @@ impl<S: Scalar> Spring<S> {
     pub(crate) fn torque(&self, deflection: S) -> S {
         let square = deflection * deflection;
         deflection.times(self.linear) + (deflection * square).times(self.cubic)
+    }
+
+    /// Torque of the damper at a relative speed.
+    #[inline]
+    pub(crate) fn damping_torque(&self, relative: S) -> S {
+        relative.times(self.damping)
     }
 
     /// Derivative of the elastic torque with the deflection.

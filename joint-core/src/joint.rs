@@ -203,7 +203,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                     &stage,
                     shaft,
                     half,
-                    [torque, angle],
+                    [torque, speed, angle],
                     [inertia(number - 1), own],
                 ),
                 friction: friction(number),

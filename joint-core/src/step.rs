@@ -53,52 +53,50 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// Computes what the state caches: after a speed, an angle, a deflection or a bristle was set
     /// from outside.
     pub fn refresh(&self, state: &mut State<S, N>) {
-        let transmitted = self.transmitted(state);
-        let level = self.effects.inverse_level(0, state.rotor.speed, state.current);
-        state.rotor.bristle.rho = self.rotor.rho(state.rotor.speed) * level;
-        let mut mass = 0;
-        for ((stage, own), torque) in state.stages.iter_mut().zip(&self.stages).zip(transmitted) {
-            mass += 1;
-            let speed = stage.mass.speed;
-            let level = self.effects.inverse_level(mass, speed, torque);
-            stage.mass.bristle.rho = own.friction.rho(speed) * level;
+        let (rotor, stages) = self.levels(state);
+        state.rotor.bristle.rho = self.rotor.rho(state.rotor.speed) * rotor;
+        for ((stage, own), level) in state.stages.iter_mut().zip(&self.stages).zip(stages) {
+            stage.mass.bristle.rho = own.friction.rho(stage.mass.speed) * level;
         }
         self.forces(state, state.angle);
-    }
-
-    /// Spring torque of every stage, for effects that follow it.
-    #[inline]
-    fn transmitted(&self, state: &State<S, N>) -> [S; N] {
-        let mut torques = [S::ZERO; N];
-        if E::LEVELS {
-            let stages = state.stages.iter().zip(&self.stages);
-            for ((torque, (stage, own)), number) in torques.iter_mut().zip(stages).zip(0..N) {
-                *torque = own.spring.torque(self.effects.deflection(number, stage.deflection).0);
-            }
-        }
-        torques
     }
 
     /// Deflections and bristles over half a micro-step at constant speed.
     #[inline]
     fn half_drift(&self, state: &mut State<S, N>) {
-        let mut before = state.rotor.speed;
+        let before = self.levels(state);
+        let mut speed = state.rotor.speed;
         for stage in &mut state.stages {
             let after = stage.mass.speed;
-            stage.deflection = stage.deflection + (before - after).times(self.half_drift);
-            before = after;
+            stage.deflection = stage.deflection + (speed - after).times(self.half_drift);
+            speed = after;
         }
-        let transmitted = self.transmitted(state);
-        let speed = state.rotor.speed;
-        let level = self.effects.inverse_level(0, speed, state.current);
-        self.rotor.flow(&mut state.rotor.bristle, speed, level);
-        let mut mass = 0;
-        for ((stage, own), torque) in state.stages.iter_mut().zip(&self.stages).zip(transmitted) {
-            mass += 1;
-            let speed = stage.mass.speed;
-            let level = self.effects.inverse_level(mass, speed, torque);
-            own.friction.flow(&mut stage.mass.bristle, speed, level);
+        let after = self.levels(state);
+        self.rotor.advance::<E>(&mut state.rotor, [before.0, after.0]);
+        let levels = before.1.into_iter().zip(after.1);
+        for ((stage, own), (before, after)) in state.stages.iter_mut().zip(&self.stages).zip(levels)
+        {
+            own.friction.advance::<E>(&mut stage.mass, [before, after]);
         }
+    }
+
+    /// One over the effects' factor on every friction level.
+    #[inline]
+    fn levels(&self, state: &State<S, N>) -> (S, [S; N]) {
+        let mut levels = [S::ONE; N];
+        if !E::LEVELS {
+            return (S::ONE, levels);
+        }
+        let mut before = state.rotor.speed;
+        let stages = state.stages.iter().zip(&self.stages);
+        for ((level, (stage, own)), number) in levels.iter_mut().zip(stages).zip(0..N) {
+            let (felt, touching) = self.effects.deflection(number, stage.deflection);
+            let relative = before - stage.mass.speed;
+            let torque = own.spring.torque(felt) + own.spring.damping_torque(relative) * touching;
+            before = stage.mass.speed;
+            *level = self.effects.inverse_level(number + 1, stage.mass.speed, torque);
+        }
+        (self.effects.inverse_level(0, state.rotor.speed, state.current), levels)
     }
 
     /// Forces and damping of every mass, but for the load and the motor; and how they change.

@@ -166,7 +166,7 @@ impl Equations {
                 let elastic = felt * (spring.linear + spring.cubic * felt * felt);
                 driving = elastic + contact * spring.damping * deflection_rate[k];
                 force -= driving;
-                transmitted = elastic;
+                transmitted = driving;
             } else {
                 force -= held.load * mass.shaft;
             }

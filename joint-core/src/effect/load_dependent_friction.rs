@@ -1,8 +1,8 @@
 //! Friction that grows with the torque a mass passes on: the gear loss that catalogues call
 //! efficiency.
 //!
-//! The LuGre level becomes `g(v) (1 + μ |T| / α0)` with T the torque of the stage's spring, or the
-//! motor torque for the rotor. Source: Linderoth, Stolt, Robertsson and Johansson (2013), and the
+//! The LuGre level becomes `g(v) (1 + μ |T| / α0)` with T the torque of the stage, spring and
+//! damper, or the motor torque for the rotor. Source: Linderoth, Stolt, Robertsson and Johansson (2013), and the
 //! gear-loss models M3 to M6 of Duclusaud, Passault and others for servo actuators.
 
 use super::{ParameterSpec, Spec};

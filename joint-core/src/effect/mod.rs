@@ -250,7 +250,7 @@ pub trait Effects<S: Scalar> {
     }
 
     /// One over the factor on a mass's LuGre level g(v); `transmitted` is the torque that the mass
-    /// passes on (its stage's spring torque, the motor torque for the rotor).
+    /// passes on (its stage's torque, spring and damper; the motor torque for the rotor).
     fn inverse_level(&self, _mass: usize, _speed: S, _transmitted: S) -> S {
         S::ONE
     }
