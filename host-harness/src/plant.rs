@@ -383,6 +383,11 @@ fn snapshot<S: Scalar, const N: usize>(
     }
 }
 
+/// Micro-steps that a model asks for in an interval of this length.
+pub fn micro_steps(model: &Model, interval_s: f64) -> u32 {
+    joint_core::joint::micro_steps(&model.motor, &model.stages, &model.load, interval_s)
+}
+
 /// Inertia of every mass reflected to the motor, kg m², the rotor first.
 pub fn inertias(model: &Model) -> Vec<f64> {
     (0..=model.stages.len())

@@ -61,8 +61,6 @@ pub trait Scalar:
     fn abs(self) -> Self;
     /// `exp(−x)` for `x ≥ 0`; relative error below 5e-6 (f32) and 1e-10 (f64).
     fn exp_minus(self) -> Self;
-    /// Hyperbolic tangent.
-    fn tanh(self) -> Self;
     /// Sine of an angle in turns, for |turns| ≤ ½; absolute error below 1e-6.
     fn sin_turns(self) -> Self;
     /// The part of `whole · whole_ratio + part · ratio` between −½ and ½ turn.
@@ -73,6 +71,15 @@ pub trait Scalar:
         let quarter = Self::HALF * Self::HALF;
         let shifted = self + quarter;
         (if shifted > Self::HALF { shifted - Self::ONE } else { shifted }).sin_turns()
+    }
+
+    /// Hyperbolic tangent; absolute error that of [`Scalar::exp_minus`].
+    #[inline]
+    fn tanh(self) -> Self {
+        let magnitude = self.abs();
+        let decayed = (magnitude + magnitude).exp_minus();
+        let bent = (Self::ONE - decayed).over(Self::ONE + decayed);
+        if self < Self::ZERO { -bent } else { bent }
     }
 
     /// The number kept between `−limit` and `limit`.
@@ -160,9 +167,6 @@ impl Scalar for f32 {
         );
         mantissa * f32::from_bits(((127 - whole) as u32) << 23)
     }
-    fn tanh(self) -> f32 {
-        libm::tanhf(self)
-    }
     #[inline]
     fn sin_turns(self) -> f32 {
         sine!(self, f32, -70.994_53, 81.340_88, -41.337_147, 6.283_164)
@@ -229,9 +233,6 @@ impl Scalar for f64 {
             0.999_999_999_971_375_5
         );
         mantissa * f64::from_bits(((1023 - whole) as u64) << 52)
-    }
-    fn tanh(self) -> f64 {
-        libm::tanh(self)
     }
     #[inline]
     fn sin_turns(self) -> f64 {

@@ -46,6 +46,14 @@ impl Hypothesis {
         (self.start.kind, self.start.location)
     }
 
+    /// Whether the effect at its start changes nothing.
+    pub fn starts_at_nothing(&self) -> bool {
+        self.free.iter().all(|free| match *free {
+            Free::Value { value, .. } => self.start.values[value] == 0.0,
+            Free::Phasor { amplitude, .. } => self.start.values[amplitude] == 0.0,
+        })
+    }
+
     /// A model with the effect added at its start.
     pub fn added(&self, model: &Model) -> Model {
         let mut model = model.clone();

@@ -6,118 +6,129 @@
 //! has no derivative at zero): then its own innovations take the place of the base model's.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 
 use super::hypothesis::Hypothesis;
 use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::twin::null_innovations;
 use crate::model::Model;
 
 /// A base model with its nuisance parameters ready to be projected out.
 pub struct ScoreTest<'a> {
     problem: Problem<'a>,
-    origin: &'a Model,
     base: &'a Fit,
     jacobian: DMatrix<f64>,
     curvature: Cholesky<f64, Dyn>,
-    residual: DVector<f64>,
-    offset: DVector<f64>,
     precision: DVector<f64>,
-    cost: f64,
+    offset: DVector<f64>,
+    /// The record's own innovations, then those of its twins.
+    residuals: Vec<Residual>,
+}
+
+/// Innovations, and what the nuisances make of them.
+struct Residual {
+    values: DVector<f64>,
+    nuisance: DVector<f64>,
+}
+
+/// What a hypothesis takes from minus twice the log-likelihood, priors included.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gain {
+    /// On the record.
+    pub real: f64,
+    /// On each twin, where nothing is missing.
+    pub null: Vec<f64>,
 }
 
 impl<'a> ScoreTest<'a> {
-    /// Of a fitted model; `None` if its curvature is not positive.
-    pub fn new(problem: Problem<'a>, origin: &'a Model, base: &'a Fit) -> Option<Self> {
-        let jacobian = problem.sensitivity(&base.model, &base.gains, &base.coordinates);
+    /// Of a fitted model, with that many twins; `None` if its curvature is not positive.
+    pub fn new(
+        problem: Problem<'a>,
+        origin: &'a Model,
+        base: &'a Fit,
+        twins: u64,
+    ) -> Option<Self> {
+        let jacobian = problem.sensitivity(&base.model, &base.gains, &base.coordinates, None);
         let rows = base.coordinates.iter();
-        let precision = DVector::from_iterator(
-            base.coordinates.len(),
-            rows.clone().map(|c| c.prior_sigma().powi(-2)),
-        );
-        let offset = DVector::from_iterator(
-            base.coordinates.len(),
-            rows.map(|c| c.distance(origin, &base.model)),
-        );
+        let count = base.coordinates.len();
+        let precision =
+            DVector::from_iterator(count, rows.clone().map(|c| c.prior_sigma().powi(-2)));
+        let offset = DVector::from_iterator(count, rows.map(|c| c.distance(origin, &base.model)));
         let curvature = jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision);
         let curvature = curvature.cholesky()?;
-        let residual = problem.residual(&base.innovations);
-        let mut test = Self {
-            problem,
-            origin,
-            base,
-            jacobian,
-            curvature,
-            residual,
-            offset,
-            precision,
-            cost: 0.0,
-        };
-        test.cost = test.after_step(&test.residual, &DMatrix::zeros(test.residual.len(), 0), &[]);
+        let nulls: Vec<_> = (0..twins)
+            .into_par_iter()
+            .filter_map(|seed| {
+                null_innovations(&base.model, problem.record, &base.noise, seed).ok()
+            })
+            .collect();
+        let mut test =
+            Self { problem, base, jacobian, curvature, precision, offset, residuals: Vec::new() };
+        let own = problem.residual(&base.innovations);
+        test.residuals.push(test.prepared(own, true));
+        for null in nulls {
+            let values = problem.residual(&null);
+            test.residuals.push(test.prepared(values, false));
+        }
         Some(test)
     }
 
-    /// What the hypothesis would take from the base model's cost (deviance and priors) after one
-    /// linear step of everything.
-    pub fn gain(&self, hypothesis: &Hypothesis) -> f64 {
+    fn prepared(&self, values: DVector<f64>, with_prior: bool) -> Residual {
+        let mut nuisance = self.jacobian.tr_mul(&values);
+        if with_prior {
+            nuisance += self.precision.component_mul(&self.offset);
+        }
+        Residual { values, nuisance }
+    }
+
+    /// What the hypothesis would take after one linear step of everything.
+    pub fn gain(&self, hypothesis: &Hypothesis) -> Gain {
+        self.checked_gain(hypothesis).unwrap_or_default()
+    }
+
+    fn checked_gain(&self, hypothesis: &Hypothesis) -> Option<Gain> {
         let model = hypothesis.added(&self.base.model);
         let coordinates = hypothesis.coordinates(self.base.model.effects.len());
-        let Ok(start) = self.problem.innovations(&model, &self.base.gains) else { return 0.0 };
-        let start = self.problem.residual(&start);
-        if !start.iter().all(|e| e.is_finite()) {
-            return 0.0;
+        let run = |model: &Model| {
+            let rows = self.problem.innovations(model, &self.base.gains).ok()?;
+            let rows = self.problem.residual(&rows);
+            rows.iter().all(|e| e.is_finite()).then_some(rows)
+        };
+        let here = &self.residuals.first()?.values;
+        let start = if hypothesis.starts_at_nothing() { here.clone() } else { run(&model)? };
+        let mut columns = Vec::with_capacity(coordinates.len());
+        for coordinate in &coordinates {
+            let step = coordinate.difference_step();
+            let mut moved = model.clone();
+            coordinate.shift(&mut moved, step);
+            columns.push((run(&moved)? - &start) / step);
         }
-        let columns: Vec<DVector<f64>> = coordinates
-            .iter()
-            .map(|coordinate| {
-                let step = coordinate.difference_step();
-                let mut moved = model.clone();
-                coordinate.shift(&mut moved, step);
-                match self.problem.innovations(&moved, &self.base.gains) {
-                    Ok(rows) => (self.problem.residual(&rows) - &start) / step,
-                    Err(_) => DVector::zeros(start.len()),
-                }
-            })
-            .collect();
-        if columns.is_empty() || columns.iter().any(|c| c.iter().any(|e| !e.is_finite())) {
-            return 0.0;
+        if columns.is_empty() {
+            return None;
         }
-        let sigmas: Vec<f64> = coordinates.iter().map(|c| c.prior_sigma()).collect();
-        let gain = self.cost - self.after_step(&start, &DMatrix::from_columns(&columns), &sigmas);
-        if gain.is_finite() { gain } else { 0.0 }
-    }
-
-    /// Cost after the best linear step of the nuisances and some own columns from a residual.
-    fn after_step(&self, residual: &DVector<f64>, own: &DMatrix<f64>, sigmas: &[f64]) -> f64 {
-        let nuisance = self.jacobian.tr_mul(residual) + self.precision.component_mul(&self.offset);
-        let plain = residual.norm_squared()
-            + self.offset.component_mul(&self.offset).component_mul(&self.precision).sum()
-            - nuisance.dot(&self.curvature.solve(&nuisance));
-        if own.ncols() == 0 {
-            return plain;
+        let own = DMatrix::from_columns(&columns);
+        let cross = self.jacobian.tr_mul(&own);
+        let mut schur = own.tr_mul(&own) - cross.tr_mul(&self.curvature.solve(&cross));
+        for (k, coordinate) in coordinates.iter().enumerate() {
+            schur[(k, k)] += coordinate.prior_sigma().powi(-2);
         }
-        let cross = self.jacobian.tr_mul(own);
-        let mut schur = own.tr_mul(own) - cross.tr_mul(&self.curvature.solve(&cross));
-        for (k, sigma) in sigmas.iter().enumerate() {
-            schur[(k, k)] += sigma.powi(-2);
-        }
-        let left = own.tr_mul(residual) - cross.tr_mul(&self.curvature.solve(&nuisance));
-        match schur.cholesky() {
-            Some(schur) => plain - left.dot(&schur.solve(&left)),
-            None => plain,
-        }
-    }
-
-    /// Where the priors are centred.
-    pub fn origin(&self) -> &Model {
-        self.origin
-    }
-
-    /// The base model's fit.
-    pub fn base(&self) -> &Fit {
-        self.base
-    }
-
-    /// The record and its mask.
-    pub fn problem(&self) -> Problem<'a> {
-        self.problem
+        let schur = schur.cholesky()?;
+        let explained = |residual: &Residual| {
+            let solved = self.curvature.solve(&residual.nuisance);
+            let left = own.tr_mul(&residual.values) - cross.tr_mul(&solved);
+            left.dot(&schur.solve(&left))
+        };
+        let (real, twins) = self.residuals.split_first()?;
+        // From a finite start, the start's own innovations take the place of the base model's.
+        let from = self.prepared(start, true);
+        let cost = |residual: &Residual| {
+            residual.values.norm_squared()
+                - residual.nuisance.dot(&self.curvature.solve(&residual.nuisance))
+        };
+        let gain = cost(real) - cost(&from) + explained(&from);
+        Some(Gain {
+            real: if gain.is_finite() { gain } else { 0.0 },
+            null: twins.iter().map(explained).collect(),
+        })
     }
 }

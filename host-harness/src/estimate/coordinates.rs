@@ -94,6 +94,24 @@ impl Coordinate {
         }
     }
 
+    /// The same coordinate in a model without its effect number `gone`; `None` if it is that
+    /// effect's.
+    pub fn without_effect(&self, gone: usize) -> Option<Self> {
+        let mut copy = *self;
+        match &mut copy {
+            Coordinate::Parameter(_) => {}
+            Coordinate::Effect { effect, .. } | Coordinate::Phasor { effect, .. } => {
+                if *effect == gone {
+                    return None;
+                }
+                if *effect > gone {
+                    *effect -= 1;
+                }
+            }
+        }
+        Some(copy)
+    }
+
     /// A step kept within what one linear step may be trusted with: a parameter changes by at most
     /// two thirds, an effect by as much as it asks for.
     pub fn limited(&self, step: f64) -> f64 {

@@ -77,6 +77,17 @@ pub struct Run {
     pub deviance: f64,
 }
 
+/// How the joint's next state follows from the present one along a record: what a design takes its
+/// time for. Designs at other noise or with other walks can share it, as their trajectories differ
+/// by noise alone.
+#[derive(Clone, Debug, Default)]
+pub struct Linearisation {
+    /// By sample: derivative of each state with each.
+    transition: Vec<f64>,
+    /// By sample: derivative of each state with the drive.
+    drive: Vec<f64>,
+}
+
 /// A joint seen through its sensors.
 pub struct Observer<'a> {
     plant: &'a dyn Plant,
@@ -125,8 +136,17 @@ impl<'a> Observer<'a> {
 
     /// Designs the gains along the record and runs it.
     pub fn design(&self, noise: &Noise, walks: &[Walk]) -> (Gains, Run) {
-        let n = self.layout.len();
-        let order = n + walks.len();
+        self.design_along(&mut Linearisation::default(), noise, walks)
+    }
+
+    /// The same along a linearisation, which is made if it is empty.
+    pub fn design_along(
+        &self,
+        along: &mut Linearisation,
+        noise: &Noise,
+        walks: &[Walk],
+    ) -> (Gains, Run) {
+        let order = self.layout.len() + walks.len();
         let samples = self.record.len();
         let mut gains = Gains {
             order,
@@ -139,16 +159,13 @@ impl<'a> Observer<'a> {
             states: Vec::with_capacity(samples),
             deviance: 0.0,
         };
-        let mut x = self.start(order);
-        let mut p = vec![0.0; order * order];
-        for (k, sigma) in self.start_sigma.iter().enumerate() {
-            p[k * order + k] = sigma * sigma;
-        }
-        for (k, walk) in walks.iter().enumerate() {
-            p[(n + k) * order + n + k] = walk.initial * walk.initial;
-        }
+        let (mut x, mut p) = (Vec::new(), Vec::new());
         let mut scratch = Scratch::new(order);
         for k in 0..samples {
+            if self.record.starts.contains(&k) {
+                x = self.start(k, order);
+                p = self.start_covariance(walks);
+            }
             for channel in Channel::ALL {
                 let c = channel as usize;
                 let measured = self.record.measured[k][c];
@@ -183,7 +200,8 @@ impl<'a> Observer<'a> {
             }
             run.states.push(x.clone());
             if k + 1 < samples {
-                self.predict(k, &mut x, &mut p, noise, walks, &mut scratch);
+                self.linearise(k, &x, walks, along, &mut scratch);
+                self.predict(k, &mut x, &mut p, noise, walks, along, &mut scratch);
             }
         }
         (gains, run)
@@ -192,9 +210,12 @@ impl<'a> Observer<'a> {
     /// Runs the record with frozen gains; only the innovations.
     pub fn innovations(&self, gains: &Gains) -> Vec<[f64; CHANNELS]> {
         let order = gains.order;
-        let mut x = self.start(order);
+        let mut x = Vec::new();
         let mut innovations = vec![[0.0; CHANNELS]; self.record.len()];
         for k in 0..self.record.len() {
+            if self.record.starts.contains(&k) {
+                x = self.start(k, order);
+            }
             for channel in Channel::ALL {
                 let c = channel as usize;
                 let weight = gains.weight[k][c];
@@ -214,18 +235,24 @@ impl<'a> Observer<'a> {
         innovations
     }
 
-    fn start(&self, order: usize) -> Vec<f64> {
+    /// The joint at rest where a log begins.
+    fn start(&self, k: usize, order: usize) -> Vec<f64> {
         let mut x = vec![0.0; order];
-        let first = self.record.measured[0];
-        if first[Channel::Motor as usize].is_finite() {
-            x[Layout::ANGLE] = first[Channel::Motor as usize];
-        }
-        if self.record.drive == joint_core::joint::Drive::Voltage
-            && first[Channel::Current as usize].is_finite()
-        {
-            x[Layout::CURRENT] = 0.0;
+        let angle = self.record.measured[k][Channel::Motor as usize];
+        if angle.is_finite() {
+            x[Layout::ANGLE] = angle;
         }
         x
+    }
+
+    fn start_covariance(&self, walks: &[Walk]) -> Vec<f64> {
+        let sigmas = self.start_sigma.iter().copied().chain(walks.iter().map(|walk| walk.initial));
+        let order = self.layout.len() + walks.len();
+        let mut p = vec![0.0; order * order];
+        for (k, sigma) in sigmas.enumerate() {
+            p[k * order + k] = sigma * sigma;
+        }
+        p
     }
 
     /// What a sensor shows of a state.
@@ -269,9 +296,14 @@ impl<'a> Observer<'a> {
 
     /// One interval forward, with the walks' push.
     fn advance(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
+        self.advance_pushed(k, x, walks, 0.0);
+    }
+
+    /// The same with the drive a little off.
+    fn advance_pushed(&self, k: usize, x: &mut [f64], walks: &[Walk], push: f64) {
         let n = self.layout.len();
         let interval = self.record.grid.interval(k);
-        let mut drive = self.record.drive_values[k];
+        let mut drive = self.record.drive_values[k] + push;
         let mut kicks = [0.0; 8];
         for (walk, value) in walks.iter().zip(&x[n..]) {
             match walk.equation {
@@ -303,46 +335,64 @@ impl<'a> Observer<'a> {
         }
     }
 
+    /// Derivatives of the interval after sample `k`, by differences, unless they are there.
+    fn linearise(
+        &self,
+        k: usize,
+        x: &[f64],
+        walks: &[Walk],
+        along: &mut Linearisation,
+        scratch: &mut Scratch,
+    ) {
+        let n = self.layout.len();
+        if along.drive.len() >= (k + 1) * n {
+            return;
+        }
+        let base = scratch.moved(x);
+        self.advance(k, base, walks);
+        let next = base[..n].to_vec();
+        along.transition.resize((k + 1) * n * n, 0.0);
+        let transition = &mut along.transition[k * n * n..];
+        for (j, own) in self.steps.iter().copied().enumerate() {
+            // Away from the reversal: friction's derivative is taken on the side it moves to.
+            let step = if x[j] < 0.0 { -own } else { own };
+            let moved = scratch.moved(x);
+            moved[j] += step;
+            self.advance(k, moved, walks);
+            for i in 0..n {
+                transition[i * n + j] = (moved[i] - next[i]) / step;
+            }
+        }
+        let push = 1e-4 * self.record.drive_values[k].abs() + 1e-6;
+        let moved = scratch.moved(x);
+        self.advance_pushed(k, moved, walks, push);
+        along.drive.extend((0..n).map(|i| (moved[i] - next[i]) / push));
+    }
+
+    #[allow(clippy::too_many_arguments)]
     fn predict(
         &self,
         k: usize,
-        x: &mut Vec<f64>,
+        x: &mut [f64],
         p: &mut [f64],
         noise: &Noise,
         walks: &[Walk],
+        along: &Linearisation,
         scratch: &mut Scratch,
     ) {
         let n = self.layout.len();
         let order = x.len();
         let interval = self.record.grid.interval(k);
-        let mut next = x.clone();
-        self.advance(k, &mut next, walks);
+        let by_drive = &along.drive[k * n..(k + 1) * n];
         let f = &mut scratch.transition;
         f.fill(0.0);
-        for (j, own) in self.steps.iter().copied().enumerate() {
-            // Away from the reversal: friction's derivative is taken on the side it moves to.
-            let step = if x[j] < 0.0 { -own } else { own };
-            let moved = &mut scratch.moved;
-            moved.copy_from_slice(x);
-            moved[j] += step;
-            self.advance(k, moved, walks);
-            for i in 0..n {
-                f[i * order + j] = (moved[i] - next[i]) / step;
-            }
-        }
-        let base = self.record.drive_values[k];
-        let push = 1e-4 * base.abs() + 1e-6;
-        let moved = &mut scratch.moved;
-        moved.copy_from_slice(x);
-        self.plant.propagate(k, &mut moved[..n], base + push, self.record.load_nm[k]);
-        let by_drive = &mut scratch.drive;
-        let mut plain = x.clone();
-        self.plant.propagate(k, &mut plain[..n], base, self.record.load_nm[k]);
         for i in 0..n {
-            by_drive[i] = (moved[i] - plain[i]) / push;
+            let row = &along.transition[(k * n + i) * n..(k * n + i + 1) * n];
+            f[i * order..i * order + n].copy_from_slice(row);
         }
-        let mut kick = vec![0.0; order];
-        self.push(&mut kick, 0, 1.0, interval);
+        let kick = &mut scratch.kick;
+        kick.fill(0.0);
+        self.push(kick, 0, 1.0, interval);
         for (j, walk) in walks.iter().enumerate() {
             match walk.equation {
                 Equation::Voltage => {
@@ -351,8 +401,9 @@ impl<'a> Observer<'a> {
                     }
                 }
                 Equation::Torque(mass) => {
-                    let mut own = vec![0.0; order];
-                    self.push(&mut own, mass, 1.0, interval);
+                    let own = &mut scratch.column;
+                    own.fill(0.0);
+                    self.push(own, mass, 1.0, interval);
                     for i in 0..n {
                         f[i * order + n + j] = own[i];
                     }
@@ -361,6 +412,7 @@ impl<'a> Observer<'a> {
             }
             f[(n + j) * order + n + j] = 1.0;
         }
+        self.advance(k, x, walks);
         // P <- F P F' + Q
         let half = &mut scratch.half;
         for i in 0..order {
@@ -383,7 +435,6 @@ impl<'a> Observer<'a> {
         for (j, walk) in walks.iter().enumerate() {
             p[(n + j) * order + n + j] += walk.rate * walk.rate * interval;
         }
-        *x = next;
     }
 }
 
@@ -391,7 +442,7 @@ struct Scratch {
     row: Vec<f64>,
     column: Vec<f64>,
     moved: Vec<f64>,
-    drive: Vec<f64>,
+    kick: Vec<f64>,
     transition: Vec<f64>,
     half: Vec<f64>,
 }
@@ -402,10 +453,16 @@ impl Scratch {
             row: vec![0.0; order],
             column: vec![0.0; order],
             moved: vec![0.0; order],
-            drive: vec![0.0; order],
+            kick: vec![0.0; order],
             transition: vec![0.0; order * order],
             half: vec![0.0; order * order],
         }
+    }
+
+    /// A copy of a state to be moved.
+    fn moved(&mut self, x: &[f64]) -> &mut [f64] {
+        self.moved.copy_from_slice(x);
+        &mut self.moved
     }
 }
 

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
-use super::filter::{Equation, Gains, Noise, Observer, Walk};
+use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::{BuildError, plant};
@@ -72,6 +72,22 @@ impl Problem<'_> {
         Ok((gains, run.innovations, deviance))
     }
 
+    /// Masked deviance of a model at a noise, along a shared linearisation.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub fn deviance_along(
+        &self,
+        along: &mut Linearisation,
+        model: &Model,
+        noise: &Noise,
+    ) -> Result<f64, BuildError> {
+        let plant = plant(model, &self.record.grid, self.record.drive)?;
+        let observer = Observer::new(model, &*plant, self.record);
+        let (gains, run) = observer.design_along(along, noise, &standing_walks(self.record));
+        Ok(self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask))
+    }
+
     /// Innovations of a model with frozen gains.
     ///
     /// # Errors
@@ -104,12 +120,14 @@ impl Problem<'_> {
         )
     }
 
-    /// Derivative of the residual with each coordinate, by central differences.
+    /// Derivative of the residual with each coordinate, by differences: one-sided from the residual
+    /// at the model if that is given, else central.
     pub fn sensitivity(
         &self,
         model: &Model,
         gains: &Gains,
         coordinates: &[Coordinate],
+        here: Option<&DVector<f64>>,
     ) -> DMatrix<f64> {
         let columns: Vec<DVector<f64>> = coordinates
             .par_iter()
@@ -120,10 +138,12 @@ impl Problem<'_> {
                     coordinate.shift(&mut moved, step);
                     self.innovations(&moved, gains).map(|rows| self.residual(&rows))
                 };
-                match (side(step), side(-step)) {
-                    (Ok(up), Ok(down)) => (up - down) / (2.0 * step),
-                    _ => DVector::zeros(self.record.len() * CHANNELS),
-                }
+                let slope = match here {
+                    Some(here) => side(step).map(|up| (up - here) / step),
+                    None => side(step)
+                        .and_then(|up| Ok((up - side(-step)?) / (2.0 * step))),
+                };
+                slope.unwrap_or_else(|_| DVector::zeros(self.record.len() * CHANNELS))
             })
             .collect();
         if columns.is_empty() {
@@ -160,7 +180,8 @@ impl Problem<'_> {
         let mut curvature = DMatrix::from_diagonal(&precision);
         for round in 0..=rounds {
             let residual = self.residual(&innovations);
-            let jacobian = self.sensitivity(&model, &gains, coordinates);
+            let here = (round < rounds).then_some(&residual);
+            let jacobian = self.sensitivity(&model, &gains, coordinates, here);
             let at = offset(&model);
             let gradient = jacobian.tr_mul(&residual) + precision.component_mul(&at);
             let plain = jacobian.tr_mul(&jacobian);

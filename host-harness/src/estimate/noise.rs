@@ -6,7 +6,7 @@
 //! keeps a missing effect from being declared noise.
 
 use super::fit::Problem;
-use super::filter::Noise;
+use super::filter::{Linearisation, Noise};
 use super::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::BuildError;
@@ -64,8 +64,9 @@ pub fn refine(
             knobs.push(Knob { which: 2 + channel as usize, expected, spread: 3.0 });
         }
     }
-    let cost = |noise: &Noise| -> Result<f64, BuildError> {
-        let (_, _, deviance) = problem.design(model, noise)?;
+    let mut along = Linearisation::default();
+    let mut cost = |noise: &Noise| -> Result<f64, BuildError> {
+        let deviance = problem.deviance_along(&mut along, model, noise)?;
         let prior: f64 = knobs
             .iter()
             .map(|knob| ((get(noise, knob.which).ln() - knob.expected) / knob.spread).powi(2))

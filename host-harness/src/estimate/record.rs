@@ -49,9 +49,47 @@ pub struct Record {
     pub measured: Vec<[f64; CHANNELS]>,
     /// The intervals.
     pub grid: Grid,
+    /// Samples at which a log begins: the joint is at rest, its state unknown.
+    pub starts: Vec<usize>,
+}
+
+/// Why logs cannot be put together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum JoinError {
+    /// There is none.
+    #[error("there is no log")]
+    NoLog,
+    /// One imposes a voltage, another a current.
+    #[error("log number {0} imposes another quantity than the first: u_v in all of them, or in none")]
+    Mixed(usize),
 }
 
 impl Record {
+    /// Of several logs of one joint, one after the other; `micro_steps` of every interval, `None`
+    /// takes what the parameters ask for.
+    ///
+    /// # Errors
+    /// No log, or logs that impose different things.
+    pub fn join(logs: &[Log], micro_steps: Option<u32>) -> Result<Self, JoinError> {
+        let mut parts = logs.iter().map(|log| Self::new(log, micro_steps));
+        let mut whole = parts.next().ok_or(JoinError::NoLog)?;
+        for (number, part) in parts.enumerate() {
+            if part.drive != whole.drive {
+                return Err(JoinError::Mixed(number + 2));
+            }
+            let gap = whole.grid.interval(whole.len());
+            let shift = whole.time_s.last().copied().unwrap_or(0.0) + gap
+                - part.time_s.first().copied().unwrap_or(0.0);
+            whole.starts.push(whole.len());
+            whole.time_s.extend(part.time_s.iter().map(|t| t + shift));
+            whole.drive_values.extend(part.drive_values);
+            whole.load_nm.extend(part.load_nm);
+            whole.measured.extend(part.measured);
+        }
+        whole.grid = Grid::new(&whole.time_s, micro_steps);
+        Ok(whole)
+    }
+
     /// From a log; `micro_steps` of every interval, `None` takes what the parameters ask for.
     pub fn new(log: &Log, micro_steps: Option<u32>) -> Self {
         let n = log.time_s.len();
@@ -77,7 +115,13 @@ impl Record {
             load_nm: held(log.load_torque_nm.clone().unwrap_or_else(|| vec![0.0; n])),
             measured,
             grid: Grid::new(&log.time_s, micro_steps),
+            starts: vec![0],
         }
+    }
+
+    /// The same record with that many micro-steps in every interval.
+    pub fn refined(&self, micro_steps: u32) -> Self {
+        Self { grid: Grid::new(&self.time_s, Some(micro_steps)), ..self.clone() }
     }
 
     /// Number of samples.

@@ -29,10 +29,14 @@ pub fn twin(
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let mut state = vec![0.0; layout.len()];
-    state[Layout::ANGLE] = first_angle(record);
     let mut twin = record.clone();
     let count = Channel::ALL.map(|channel| 12.0_f64.sqrt() * noise.sensors[channel as usize]);
     for k in 0..record.len() {
+        if record.starts.contains(&k) {
+            state.fill(0.0);
+            let angle = record.measured[k][Channel::Motor as usize];
+            state[Layout::ANGLE] = if angle.is_finite() { angle } else { 0.0 };
+        }
         for channel in Channel::ALL {
             let c = channel as usize;
             if record.measured[k][c].is_finite() {
@@ -48,11 +52,6 @@ pub fn twin(
         observer.push(&mut state, 0, noise.torque * normal(), record.grid.interval(k));
     }
     Ok(twin)
-}
-
-fn first_angle(record: &Record) -> f64 {
-    let c = Channel::Motor as usize;
-    record.measured.first().map_or(0.0, |row| if row[c].is_finite() { row[c] } else { 0.0 })
 }
 
 /// Innovations that a model leaves on its own twin.

@@ -1,44 +1,71 @@
 //! Cogging: lines in the rotor's torque at whole orders of its angle, the same at every current
 //! and speed. Every order that the record resolves is tried; the best few become hypotheses, each
-//! with its double.
+//! with its double. Where the rotor turns only a few times, as on a linear axis, orders need not be
+//! whole.
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 use rayon::prelude::*;
 
 use super::super::hypothesis::{Free, Hypothesis};
+use super::super::score_test::{Gain, ScoreTest};
 use super::Scene;
 use crate::estimate::record::Channel;
 
-/// Highest order tried.
+/// Highest order tried on a rotor that turns.
 const HIGHEST: u32 = 144;
+/// Orders tried on an axis that turns less than three times.
+const TRIED: u32 = 400;
 /// Orders that become hypotheses.
-const KEPT: usize = 3;
+const KEPT: usize = 2;
 
 pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
-    let scale = 0.05 * scene.torque_scale();
-    let taken = |order: f64| {
-        scene.model.effects.iter().any(|effect| {
-            effect.kind == Kind::Cogging
-                && [1.0, 2.0].iter().any(|k| (k * effect.values[0] - order).abs() < 0.5)
-        })
-    };
-    let hypothesis = |order: f64, double: bool| {
-        let phasor = |amplitude| Free::Phasor { amplitude, scale, sigma: 200.0 };
-        Hypothesis {
-            start: EffectParameters::new(Kind::Cogging, Location::Motor).with("order", order),
-            free: if double { vec![phasor(1), phasor(3)] } else { vec![phasor(1)] },
-        }
-    };
+    scene.lines.iter().take(KEPT).map(|(order, _)| hypothesis(scene, *order, true)).collect()
+}
+
+/// What every order that the model has no cogging of would explain: the peaks, strongest first.
+pub(super) fn spectrum(scene: &Scene<'_>, test: &ScoreTest<'_>) -> Vec<(f64, Gain)> {
     let turned = turned(scene);
-    let mut scored: Vec<(f64, f64)> = (1..=HIGHEST)
-        .into_par_iter()
-        .map(f64::from)
-        .filter(|order| order * turned > 2.0 && !taken(*order))
-        .map(|order| (scene.test.gain(&hypothesis(order, false)), order))
+    let resolved = 0.5 / turned.max(1e-9);
+    let orders: Vec<f64> = if turned < 3.0 {
+        (4..=TRIED).map(|k| f64::from(k) * resolved).collect()
+    } else {
+        (1..=HIGHEST).map(f64::from).collect()
+    };
+    let gains: Vec<Gain> = orders
+        .par_iter()
+        .map(|order| match taken(scene, *order, resolved) {
+            true => Gain::default(),
+            false => test.gain(&hypothesis(scene, *order, false)),
+        })
         .collect();
-    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-    scored.iter().take(KEPT).map(|(_, order)| hypothesis(*order, !taken(2.0 * order))).collect()
+    let at = |k: Option<usize>| k.and_then(|k| gains.get(k)).map_or(0.0, |gain| gain.real);
+    let mut peaks: Vec<(f64, Gain)> = (0..orders.len())
+        .filter(|k| gains[*k].real >= at(k.checked_sub(1)).max(at(Some(k + 1))))
+        .map(|k| (orders[k], gains[k].clone()))
+        .collect();
+    peaks.sort_by(|a, b| b.1.real.total_cmp(&a.1.real));
+    peaks
+}
+
+fn hypothesis(scene: &Scene<'_>, order: f64, double: bool) -> Hypothesis {
+    let scale = 0.05 * scene.torque_scale();
+    let phasor = |amplitude| Free::Phasor { amplitude, scale, sigma: 200.0 };
+    let double = double && !taken(scene, 2.0 * order, 0.25);
+    Hypothesis {
+        start: EffectParameters::new(Kind::Cogging, Location::Motor).with("order", order),
+        free: if double { vec![phasor(1), phasor(3)] } else { vec![phasor(1)] },
+    }
+}
+
+/// Whether the model has a line within `reach` of this order.
+fn taken(scene: &Scene<'_>, order: f64, reach: f64) -> bool {
+    let lines = scene.model.effects.iter().filter(|effect| effect.kind == Kind::Cogging);
+    let near = |line: f64| (line - order).abs() < reach.max(0.25);
+    lines.into_iter().any(|effect| {
+        let [order, amplitude, _, second, ..] = effect.values;
+        (amplitude != 0.0 && near(order)) || (second != 0.0 && near(2.0 * order))
+    })
 }
 
 /// Turns between the rotor's extremes.

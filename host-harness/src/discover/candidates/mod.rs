@@ -12,7 +12,7 @@ mod gravity;
 mod load_dependent_friction;
 
 use super::hypothesis::Hypothesis;
-use super::score_test::ScoreTest;
+use super::score_test::{Gain, ScoreTest};
 use crate::estimate::record::{Channel, Record};
 use crate::model::Model;
 use joint_core::params::{Friction, Location};
@@ -24,8 +24,8 @@ pub struct Scene<'a> {
     pub model: &'a Model,
     /// The record.
     pub record: &'a Record,
-    /// For candidates that search.
-    pub test: &'a ScoreTest<'a>,
+    /// What orders of the rotor angle would explain, strongest first.
+    pub lines: Vec<(f64, Gain)>,
 }
 
 /// Proposes hypotheses for one kind of effect.
@@ -42,7 +42,14 @@ pub const ALL: &[Candidate] = &[
     load_dependent_friction::propose,
 ];
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// Of a refitted model on a record.
+    pub fn new(model: &'a Model, record: &'a Record, test: &ScoreTest<'_>) -> Self {
+        let mut scene = Self { model, record, lines: Vec::new() };
+        scene.lines = cogging::spectrum(&scene, test);
+        scene
+    }
+
     /// Breakaway level of the whole joint at the motor, Nm; a share of the largest motor torque
     /// where the model has no friction.
     pub fn torque_scale(&self) -> f64 {

@@ -1,0 +1,388 @@
+//! From logs to an answer.
+//!
+//! The search runs on seven tenths of the record, in blocks; the rest is kept to measure the gap,
+//! so that neither a parameter nor a name was chosen on it. The gate then decides whether what was
+//! found is all there is.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::joint::Drive;
+use joint_core::params::Location;
+
+use super::findings::{
+    Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Rival, Verdict, Whereabouts,
+};
+use super::force::relative_force_error;
+use super::gate::{Remainder, rms};
+use super::next_experiment::advice;
+use super::search::{Round, Search, Stage, search};
+use super::whereabouts::locate;
+use crate::estimate::coordinates::Coordinate;
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::record::{CHANNELS, Channel, JoinError, Record};
+use crate::estimate::refit;
+use crate::log::Log;
+use crate::model::Model;
+use crate::plant::{BuildError, micro_steps};
+
+/// Steps of the progress bar.
+pub const STEPS: u64 = 8;
+/// Blocks of a log, and those that are held out.
+const BLOCKS: usize = 10;
+const HELD_OUT: [usize; 3] = [3, 6, 9];
+/// How many times finer the step is made when the gate complains.
+const FINER: u32 = 4;
+/// Units of log-likelihood that separate two names by a factor e: friction laws and sensors that
+/// differ slightly from ours move likelihoods by some tens.
+const SEPARATION: f64 = 25.0;
+
+/// Why there is no answer.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum DiscoverError {
+    /// The model cannot be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The logs do not fit together.
+    #[error(transparent)]
+    Join(#[from] JoinError),
+    /// Too little to learn from.
+    #[error("the logs have {0} samples; give at least 200")]
+    Short(usize),
+}
+
+/// Finds what a model misses in logs of its joint.
+///
+/// # Errors
+/// The model cannot be built, or the logs do not fit together or are too short.
+pub fn discover(
+    nominal: &Model,
+    logs: &[Log],
+    bar: &ProgressBar,
+) -> Result<Findings, DiscoverError> {
+    let began = Instant::now();
+    let coarse = Record::join(logs, None)?;
+    if coarse.len() < 200 {
+        return Err(DiscoverError::Short(coarse.len()));
+    }
+    let micro_steps = micro_steps(nominal, coarse.grid.interval(0)).max(2);
+    let mut record = coarse.refined(micro_steps);
+    let held_out = held_out(&record);
+    let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
+    let tested: Vec<f64> = held_out.iter().map(|held| if *held { 1.0 } else { 0.0 }).collect();
+    let problem = Problem { record: &record, mask: &fitted };
+    let mut found = search(problem, nominal, bar)?;
+
+    bar.set_message("is what is left noise?");
+    let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+    bar.inc(1);
+    if !remainder.is_noise() && !found.rounds.is_empty() {
+        // The step itself may be what is not noise: gaps and load-following friction ask for more.
+        let finer = coarse.refined(micro_steps * FINER);
+        let problem = Problem { record: &finer, mask: &fitted };
+        let Stage { fit, origin } = &found.after;
+        let better = refit::polish(
+            &problem,
+            origin,
+            &fit.model,
+            &fit.coordinates,
+            &found.expected,
+            &fit.noise,
+        )?;
+        let left = Remainder::of(&problem, &better, &found.expected, &fitted)?;
+        if left.complaints().len() < remainder.complaints().len()
+            || left.torque < 0.7 * remainder.torque
+        {
+            found.after = Stage { fit: better, origin: origin.clone() };
+            remainder = left;
+            record = finer;
+        }
+    }
+    let problem = Problem { record: &record, mask: &fitted };
+
+    bar.set_message("where they disagree");
+    let (before, after) = (&found.before.fit, &found.after.fit);
+    // A gap is counted in noise that is believable, not in noise that hides what is missing.
+    let noise = believable(&after.noise, &found.expected);
+    let (_, innovations_before, _) = problem.design(&before.model, &noise)?;
+    let (_, innovations_after, _) = problem.design(&after.model, &noise)?;
+    let disagreement = locate(&problem, &before.model, &after.model, &noise, &found.orders)?;
+    bar.inc(1);
+
+    let judged = Fit { noise, ..after.clone() };
+    let floor = Remainder::of(&problem, &judged, &found.expected, &tested)?;
+    let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
+    let complaints = remainder.complaints();
+    let answer = match (found.rounds.is_empty(), complaints.is_empty()) {
+        (true, true) => Answer::Adequate,
+        (false, true) => Answer::Effect,
+        (_, false) => Answer::Unknown,
+    };
+    let effects = named(&found, nominal.effects.len(), complaints.is_empty());
+    let close = found.rounds.first().and_then(|round| {
+        let rival = round.rivals.first()?;
+        (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
+    });
+    let names: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
+    let equation = disagreement.whereabouts.equation.clone();
+    let next_experiment = advice(answer, &names, close, &record, &equation);
+    let reasons = reasons(&found, &record, &gap, &complaints);
+    let whereabouts = match answer {
+        Answer::Adequate => Whereabouts { equation: "none".into(), ..Whereabouts::default() },
+        _ => disagreement.whereabouts,
+    };
+    let verdict = Verdict {
+        verdict: answer,
+        effects,
+        whereabouts,
+        gap,
+        next_experiment,
+        seconds: began.elapsed().as_secs_f64(),
+        reasons,
+    };
+    Ok(Findings {
+        verdict,
+        nominal: nominal.clone(),
+        improved: after.model.clone(),
+        time_s: record.time_s.clone(),
+        held_out,
+        before: shown(&record, &innovations_before),
+        after: shown(&record, &innovations_after),
+        push: disagreement.push,
+        shape: disagreement.shape,
+        orders: found.orders.iter().map(|order| [*order, f64::NAN, f64::NAN]).collect(),
+        parameters: parameter_rows(nominal, before, after),
+        scores: found.scores.clone(),
+        noises: noise_rows(&found, &record),
+    })
+}
+
+/// Noise that is at most twice what is expected.
+fn believable(noise: &Noise, expected: &Noise) -> Noise {
+    Noise {
+        drive: noise.drive.min(2.0 * expected.drive),
+        torque: noise.torque.min(2.0 * expected.torque),
+        ..*noise
+    }
+}
+
+/// Which samples neither fit nor choice sees: whole blocks of every log.
+fn held_out(record: &Record) -> Vec<bool> {
+    let mut held = vec![false; record.len()];
+    for (number, start) in record.starts.iter().enumerate() {
+        let end = record.starts.get(number + 1).copied().unwrap_or(record.len());
+        for (k, held) in held.iter_mut().enumerate().take(end).skip(*start) {
+            *held = HELD_OUT.contains(&((k - start) * BLOCKS / (end - start)));
+        }
+    }
+    held
+}
+
+fn gap(
+    record: &Record,
+    before: &[[f64; CHANNELS]],
+    after: &[[f64; CHANNELS]],
+    floor: &Remainder,
+    mask: &[f64],
+) -> Gap {
+    let signals = Channel::ALL
+        .into_iter()
+        .filter(|channel| record.has(*channel))
+        .map(|channel| {
+            let c = channel as usize;
+            let own = |rows| rms(rows, mask, Some(c));
+            (channel.column().to_owned(), [own(before), own(after), floor.floor[c]])
+        })
+        .collect();
+    Gap {
+        before: rms(before, mask, None),
+        after: rms(after, mask, None),
+        floor: floor.floor_all,
+        unit: "noise sigmas, held-out part",
+        signals,
+    }
+}
+
+fn named(found: &Search, standing: usize, clean: bool) -> Vec<Named> {
+    let fit = &found.after.fit;
+    let effects = fit.model.effects.iter().enumerate().skip(standing);
+    effects
+        .zip(&found.rounds)
+        .map(|((number, effect), round)| {
+            let (confidence, rivals) = confidence(round, clean);
+            let (parameters, standard_errors) = sizes(fit, number, effect);
+            Named {
+                kind: effect.kind.spec().kind.to_owned(),
+                location: effect.location.to_string(),
+                parameters,
+                standard_errors,
+                confidence,
+                rivals,
+            }
+        })
+        .collect()
+}
+
+/// How sure a name is: its likelihood against those of the others that were refitted, each bounded
+/// by what slightly different laws would move, and less where the gate complains.
+fn confidence(round: &Round, clean: bool) -> (f64, Vec<Rival>) {
+    let odds = |gain: f64| (-(round.gain - gain).max(0.0) / (2.0 * SEPARATION)).exp();
+    let unlisted = if clean { 0.02 } else { 1.0 };
+    let total = 1.0 + unlisted + round.rivals.iter().map(|rival| odds(rival.gain)).sum::<f64>();
+    let rivals = round
+        .rivals
+        .iter()
+        .map(|rival| Rival {
+            kind: rival.name.0.spec().kind.to_owned(),
+            location: rival.name.1.to_string(),
+            confidence: odds(rival.gain) / total,
+        })
+        .collect();
+    (1.0 / total, rivals)
+}
+
+/// An effect's values by key, and one sigma of those that were fitted.
+fn sizes(
+    fit: &Fit,
+    number: usize,
+    effect: &EffectParameters,
+) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
+    let specs = effect.kind.spec().parameters;
+    let key = |value: usize| specs.get(value).map_or("", |spec| spec.key).to_owned();
+    let parameters = specs
+        .iter()
+        .zip(effect.values)
+        .map(|(spec, value)| (spec.key.to_owned(), value))
+        .collect();
+    let mut errors = BTreeMap::new();
+    for (k, coordinate) in fit.coordinates.iter().enumerate() {
+        match *coordinate {
+            Coordinate::Effect { effect: own, value, scale, .. } if own == number => {
+                errors.insert(key(value), fit.covariance[(k, k)].sqrt() * scale);
+            }
+            Coordinate::Phasor { effect: own, amplitude, sine: false, scale, .. }
+                if own == number =>
+            {
+                let (size, phase) = (effect.values[amplitude], effect.values[amplitude + 1]);
+                let (cc, ss) = (fit.covariance[(k, k)], fit.covariance[(k + 1, k + 1)]);
+                let cs = fit.covariance[(k, k + 1)];
+                let (cos, sin) = (phase.cos(), phase.sin());
+                let along = cc * cos * cos + ss * sin * sin + 2.0 * cs * cos * sin;
+                let across = cc * sin * sin + ss * cos * cos - 2.0 * cs * cos * sin;
+                errors.insert(key(amplitude), along.max(0.0).sqrt() * scale);
+                if size > 0.0 {
+                    let turn = across.max(0.0).sqrt() * scale / size;
+                    errors.insert(key(amplitude + 1), turn.min(std::f64::consts::PI));
+                }
+            }
+            _ => {}
+        }
+    }
+    (parameters, errors)
+}
+
+fn parameter_rows(nominal: &Model, before: &Fit, after: &Fit) -> Vec<ParameterRow> {
+    after
+        .coordinates
+        .iter()
+        .enumerate()
+        .filter_map(|(k, coordinate)| match coordinate {
+            Coordinate::Parameter(quantity) => Some(ParameterRow {
+                key: quantity.key(),
+                nominal: quantity.get(nominal),
+                refitted: quantity.get(&before.model),
+                improved: quantity.get(&after.model),
+                relative_sigma: after.covariance[(k, k)].sqrt(),
+            }),
+            _ => None,
+        })
+        .collect()
+}
+
+fn noise_rows(found: &Search, record: &Record) -> Vec<NoiseRow> {
+    let (before, after) = (&found.before.fit.noise, &found.after.fit.noise);
+    let mut rows = vec![NoiseRow {
+        name: "rotor torque",
+        unit: "Nm",
+        expected: found.expected.torque,
+        before: before.torque,
+        after: after.torque,
+    }];
+    if record.drive == Drive::Voltage {
+        rows.push(NoiseRow {
+            name: "voltage",
+            unit: "V",
+            expected: found.expected.drive,
+            before: before.drive,
+            after: after.drive,
+        });
+    }
+    for channel in Channel::ALL.into_iter().filter(|channel| record.has(*channel)) {
+        let c = channel as usize;
+        rows.push(NoiseRow {
+            name: channel.column(),
+            unit: if channel == Channel::Current { "A" } else { "rad" },
+            expected: found.expected.sensors[c],
+            before: before.sensors[c],
+            after: after.sensors[c],
+        });
+    }
+    rows
+}
+
+fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) -> Vec<String> {
+    let mut all: Vec<String> = found
+        .rounds
+        .iter()
+        .map(|round| {
+            let name = super::search::title(round.name);
+            match round.rivals.first() {
+                Some(rival) => format!(
+                    "{name} takes {:.0} from minus twice the log-likelihood; the next best name, {}, takes {:.0}",
+                    round.gain,
+                    super::search::title(rival.name),
+                    rival.gain
+                ),
+                None => format!(
+                    "{name} takes {:.0} from minus twice the log-likelihood; no other name comes near",
+                    round.gain
+                ),
+            }
+        })
+        .collect();
+    if found.rounds.is_empty() {
+        all.push("no listed effect explains more than chance does on twins of the model".to_owned());
+    }
+    if complaints.is_empty() {
+        all.push(format!(
+            "what is left is noise: {:.3} sigma on held-out data where a twin leaves {:.3}",
+            gap.after, gap.floor
+        ));
+    } else {
+        all.extend(complaints.iter().map(|text| format!("what is left is not noise: {text}")));
+    }
+    let force = |model: &Model| relative_force_error(model, record);
+    if let (Some(before), Some(after)) =
+        (force(&found.before.fit.model), force(&found.after.fit.model))
+    {
+        all.push(format!(
+            "relative force error over the record: {:.2} % refitted, {:.2} % with the effects",
+            100.0 * before,
+            100.0 * after
+        ));
+    }
+    all
+}
+
+/// Innovations for show: NaN where nothing is measured.
+fn shown(record: &Record, rows: &[[f64; CHANNELS]]) -> Vec<[f64; CHANNELS]> {
+    rows.iter()
+        .zip(&record.measured)
+        .map(|(row, measured)| {
+            std::array::from_fn(|c| if measured[c].is_finite() { row[c] } else { f64::NAN })
+        })
+        .collect()
+}

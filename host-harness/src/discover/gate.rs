@@ -1,0 +1,149 @@
+//! The goodness-of-fit gate: whether what a model leaves is noise.
+//!
+//! The best of a wrong list still wins its comparison. What gives it away is what it leaves behind:
+//! noise far above what the sensors and the joint's nature lead one to expect, or innovations that
+//! are not white where those of the model's own twin are.
+
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::record::{CHANNELS, Channel};
+use crate::estimate::twin::null_innovations;
+use crate::plant::BuildError;
+use joint_core::joint::Drive;
+
+/// Most that the noise on the drive may exceed what is expected.
+const DRIVE_EXCESS: f64 = 3.0;
+/// Most that the noise on the rotor may exceed what is expected.
+const TORQUE_EXCESS: f64 = 4.5;
+/// Most that an autocorrelation may differ from the twins'.
+const COLOUR: f64 = 0.1;
+/// Most that a channel's variance may differ from the twins', relative.
+const VARIANCE: f64 = 0.15;
+/// Lags looked at.
+const LAGS: usize = 8;
+
+/// What a model leaves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Remainder {
+    /// Noise on the drive over what is expected; one where the current is imposed.
+    pub drive: f64,
+    /// Noise on the rotor over what is expected.
+    pub torque: f64,
+    /// Largest difference of an autocorrelation from the twins', by channel.
+    pub colour: [f64; CHANNELS],
+    /// Variance over the twins', by channel; zero where nothing is measured.
+    pub variance: [f64; CHANNELS],
+    /// RMS of the innovations on the twins, by channel: the floor.
+    pub floor: [f64; CHANNELS],
+    /// The same over all channels.
+    pub floor_all: f64,
+}
+
+impl Remainder {
+    /// Of a fitted model; `mask` weighs the samples that are looked at.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub fn of(
+        problem: &Problem<'_>,
+        fit: &Fit,
+        expected: &Noise,
+        mask: &[f64],
+    ) -> Result<Self, BuildError> {
+        let mut remainder = Self {
+            drive: match problem.record.drive {
+                Drive::Voltage => fit.noise.drive / expected.drive,
+                Drive::Current => 1.0,
+            },
+            torque: fit.noise.torque / expected.torque,
+            ..Self::default()
+        };
+        let nulls = (0..3)
+            .map(|seed| null_innovations(&fit.model, problem.record, &fit.noise, 100 + seed))
+            .collect::<Result<Vec<_>, _>>()?;
+        for channel in Channel::ALL {
+            let c = channel as usize;
+            if !problem.record.has(channel) {
+                continue;
+            }
+            let (own, own_colour) = moments(&fit.innovations, mask, c);
+            let twins: Vec<_> = nulls.iter().map(|null| moments(null, mask, c)).collect();
+            let count = twins.len() as f64;
+            let variance = twins.iter().map(|(v, _)| v).sum::<f64>() / count;
+            remainder.variance[c] = own / variance;
+            remainder.floor[c] = variance.sqrt();
+            for lag in 0..LAGS {
+                let twin = twins.iter().map(|(_, colour)| colour[lag]).sum::<f64>() / count;
+                remainder.colour[c] = remainder.colour[c].max((own_colour[lag] - twin).abs());
+            }
+        }
+        let rows = nulls.iter().map(|null| rms(null, mask, None));
+        remainder.floor_all = rows.sum::<f64>() / nulls.len() as f64;
+        Ok(remainder)
+    }
+
+    /// Whether this is noise.
+    pub fn is_noise(&self) -> bool {
+        self.complaints().is_empty()
+    }
+
+    /// Why it is not.
+    pub fn complaints(&self) -> Vec<String> {
+        let mut all = Vec::new();
+        if self.drive > DRIVE_EXCESS {
+            all.push(format!(
+                "it needs {:.1} times the noise on the drive that is expected",
+                self.drive
+            ));
+        }
+        if self.torque > TORQUE_EXCESS {
+            all.push(format!(
+                "it needs {:.1} times the noise on the rotor torque that is expected",
+                self.torque
+            ));
+        }
+        for channel in Channel::ALL {
+            let c = channel as usize;
+            let column = channel.column();
+            if self.colour[c] > COLOUR {
+                all.push(format!(
+                    "the prediction errors of {column} are correlated (by {:.2} more than those of a twin)",
+                    self.colour[c]
+                ));
+            }
+            if self.variance[c] > 1.0 + VARIANCE {
+                all.push(format!(
+                    "the prediction errors of {column} scatter {:.2} times as much as those of a twin",
+                    self.variance[c]
+                ));
+            }
+        }
+        all
+    }
+}
+
+/// Variance and autocorrelations of one channel over the samples of a mask.
+fn moments(rows: &[[f64; CHANNELS]], mask: &[f64], c: usize) -> (f64, [f64; LAGS]) {
+    let weight: f64 = mask.iter().sum::<f64>().max(1.0);
+    let at = |k: usize| mask[k] * rows[k][c];
+    let variance = (0..rows.len()).map(|k| at(k).powi(2)).sum::<f64>() / weight;
+    let colour = std::array::from_fn(|lag| {
+        let products = (lag + 1..rows.len()).map(|k| at(k) * at(k - lag - 1));
+        products.sum::<f64>() / weight / variance.max(1e-12)
+    });
+    (variance, colour)
+}
+
+/// RMS of innovations over the samples of a mask: of one channel, or of all that are measured.
+pub fn rms(rows: &[[f64; CHANNELS]], mask: &[f64], channel: Option<usize>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (row, mask) in rows.iter().zip(mask) {
+        for (c, e) in row.iter().enumerate() {
+            if *e != 0.0 && channel.is_none_or(|only| only == c) {
+                sum += mask * e * e;
+                count += mask;
+            }
+        }
+    }
+    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+}

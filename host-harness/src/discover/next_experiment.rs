@@ -1,0 +1,61 @@
+//! What to measure next: the excitation or sensor that would tell what this log cannot.
+
+use joint_core::effect::Kind;
+use joint_core::params::Location;
+
+use super::findings::Answer;
+use crate::estimate::record::{Channel, Record};
+
+/// Advice in a sentence.
+pub fn advice(
+    answer: Answer,
+    names: &[(Kind, Location)],
+    close_rival: Option<(Kind, Location)>,
+    record: &Record,
+    equation: &str,
+) -> String {
+    if let (Some(name), Some(rival)) = (names.first(), close_rival) {
+        return format!(
+            "{} or {}: {}",
+            super::search::title(*name),
+            super::search::title(rival),
+            separating(rival.0)
+        );
+    }
+    match answer {
+        Answer::Adequate => "nothing is missing in this log; to look further, drive the joint \
+             through reversals under load, at several speeds up to its highest, and slowly over a \
+             full turn of the output"
+            .to_owned(),
+        Answer::Effect => match names.first() {
+            Some((kind, _)) => format!("to confirm: {}", separating(*kind)),
+            None => String::new(),
+        },
+        Answer::Unknown if !record.has(Channel::Output) => format!(
+            "the {equation} equation misses something; an encoder behind the last stage would tell \
+             motor, gear and load apart"
+        ),
+        Answer::Unknown => format!(
+            "the {equation} equation misses something that no listed effect explains; repeat slowly \
+             in both directions, at two loads, and at a high constant speed, to see whether it \
+             follows angle, speed, load or time"
+        ),
+    }
+}
+
+fn separating(kind: Kind) -> &'static str {
+    match kind {
+        Kind::AsymmetricFriction => {
+            "run at equal speeds in both directions at several output angles; read the current at rest"
+        }
+        Kind::Backlash => "repeat a small reversal with and without a constant load on the output",
+        Kind::Cogging => "scan slowly through a turn at two loads, in both directions",
+        Kind::CurrentOffset => "read the current sensor with the bridge off",
+        Kind::DeadTime => "hold the rotor and step the voltage through a staircase around zero",
+        Kind::Gravity => "turn the mount by a quarter, or move slowly through a full output turn",
+        Kind::LoadDependentFriction => {
+            "drive and brake at constant speed against two loads, in both directions"
+        }
+        _ => "repeat slowly in both directions and at two loads",
+    }
+}

@@ -1,0 +1,246 @@
+//! The search: refit, look for what is missing, add the best name, and look again.
+//!
+//! Each round scores every hypothesis by one linear step, refits the most promising ones fully and
+//! with their own noise, and keeps the best if it explains more than anything does on twins of the
+//! model, where nothing is missing. At the end every added effect has to prove that it is still
+//! needed.
+
+use indicatif::ProgressBar;
+use joint_core::effect::Kind;
+use joint_core::params::Location;
+use rayon::prelude::*;
+
+use super::candidates::{self, Scene};
+use super::findings::ScoreRow;
+use super::hypothesis::Hypothesis;
+use super::score_test::{Gain, ScoreTest};
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::noise;
+use crate::estimate::refit::{self, cost};
+use crate::model::Model;
+use crate::plant::BuildError;
+
+/// Most effects that are added.
+const MOST_EFFECTS: usize = 4;
+/// Twins from which a round's threshold is taken.
+const TWINS: u64 = 6;
+/// Least that an effect must explain, in units of minus twice the log-likelihood: less is what a
+/// friction law slightly other than ours leaves in a log in which nothing is missing.
+pub const LEAST_GAIN: f64 = 60.0;
+/// Hypotheses that get a short refit, and how many of these a full one.
+const SHORT: usize = 5;
+const FULL: usize = 3;
+
+/// A fitted model and the model that its priors are centred on.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The fit.
+    pub fit: Fit,
+    /// The priors' centre: the nominal, with the effects at their starts.
+    pub origin: Model,
+}
+
+/// A name and what its full refit explained.
+#[derive(Clone, Debug)]
+pub struct Contender {
+    /// Kind and place.
+    pub name: (Kind, Location),
+    /// What it took from minus twice the log-likelihood.
+    pub gain: f64,
+}
+
+/// One effect added.
+#[derive(Clone, Debug)]
+pub struct Round {
+    /// Its name.
+    pub name: (Kind, Location),
+    /// What it explained.
+    pub gain: f64,
+    /// The others that were refitted.
+    pub rivals: Vec<Contender>,
+}
+
+/// What the search found.
+#[derive(Clone, Debug)]
+pub struct Search {
+    /// The refitted nominal.
+    pub before: Stage,
+    /// The improved model.
+    pub after: Stage,
+    /// The effects added, in order.
+    pub rounds: Vec<Round>,
+    /// Every hypothesis of every round by name.
+    pub scores: Vec<ScoreRow>,
+    /// Orders of the rotor angle that explain something on the refitted nominal, strongest first.
+    pub orders: Vec<f64>,
+    /// Noise that the sensors and the joint's nature lead one to expect.
+    pub expected: Noise,
+}
+
+/// Runs the search.
+///
+/// # Errors
+/// The nominal cannot be built.
+pub fn search(
+    problem: Problem<'_>,
+    nominal: &Model,
+    bar: &ProgressBar,
+) -> Result<Search, BuildError> {
+    bar.set_message("refitting the nominal");
+    let expected = noise::expected(nominal, problem.record);
+    let fit = refit::refit(&problem, nominal)?;
+    let before = Stage { fit, origin: nominal.clone() };
+    let mut search = Search {
+        after: before.clone(),
+        before,
+        rounds: Vec::new(),
+        scores: Vec::new(),
+        orders: Vec::new(),
+        expected,
+    };
+    for round in 1..=MOST_EFFECTS {
+        bar.inc(1);
+        bar.set_message(format!("looking for an effect, round {round}"));
+        if !add_one(problem, &mut search, round)? {
+            break;
+        }
+    }
+    bar.set_message("trying to do without");
+    drop_needless(problem, &mut search)?;
+    bar.inc(1);
+    Ok(search)
+}
+
+fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
+    let base = search.after.clone();
+    let Some(test) = ScoreTest::new(problem, &base.origin, &base.fit, TWINS) else {
+        return Ok(false);
+    };
+    let scene = Scene::new(&base.fit.model, problem.record, &test);
+    let hypotheses: Vec<Hypothesis> =
+        candidates::ALL.iter().flat_map(|candidate| candidate(&scene)).collect();
+    let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
+    let lines = &scene.lines;
+    let least = threshold(gains.iter().chain(lines.iter().map(|(_, gain)| gain)));
+    if round == 1 {
+        let strongest = lines.first().map_or(0.0, |(_, gain)| gain.real);
+        // Lines only count where they rival the best hypothesis: every effect has some order.
+        let best = gains.iter().map(|gain| gain.real).fold(0.0, f64::max);
+        search.orders = lines
+            .iter()
+            .filter(|_| strongest > 0.3 * best)
+            .filter(|(_, gain)| gain.real > least && gain.real > 0.02 * strongest)
+            .map(|(order, _)| *order)
+            .take(8)
+            .collect();
+    }
+    let mut ranked: Vec<(&Hypothesis, f64)> =
+        hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut best_of_name: Vec<(&Hypothesis, f64)> = Vec::new();
+    for (hypothesis, gain) in ranked {
+        if !best_of_name.iter().any(|(known, _)| known.name() == hypothesis.name()) {
+            best_of_name.push((hypothesis, gain));
+        }
+    }
+    for (hypothesis, score) in &best_of_name {
+        let name = title(hypothesis.name());
+        search.scores.push(ScoreRow { round, name, score: *score, refitted: None });
+    }
+
+    let mut short: Vec<(&Hypothesis, Stage, f64)> = Vec::new();
+    for (hypothesis, score) in best_of_name.iter().filter(|(_, gain)| *gain > least).take(SHORT) {
+        let mut origin = base.origin.clone();
+        origin.effects.push(hypothesis.start);
+        let mut coordinates = base.fit.coordinates.clone();
+        coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+        let start = hypothesis.added(&base.fit.model);
+        let fit = problem.fit(&origin, &start, &coordinates, &base.fit.noise, 3)?;
+        let gain = (cost(&base.fit) - cost(&fit)).max(*score);
+        short.push((hypothesis, Stage { fit, origin }, gain));
+    }
+    short.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let strongest = short.first().map_or(0.0, |(_, _, gain)| *gain);
+    let mut full: Vec<(&Hypothesis, Stage)> = Vec::new();
+    for (hypothesis, stage, _) in
+        short.into_iter().filter(|(_, _, gain)| *gain > 0.1 * strongest).take(FULL)
+    {
+        let Stage { fit, origin } = stage;
+        let coordinates = fit.coordinates.clone();
+        let from = fit.noise;
+        let fit =
+            refit::polish(&problem, &origin, &fit.model, &coordinates, &search.expected, &from)?;
+        full.push((hypothesis, Stage { fit, origin }));
+    }
+    full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
+    // The base gets the same last refinement of its noise as its challengers had.
+    let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
+    let (_, _, deviance) = problem.design(&base.fit.model, &noise)?;
+    let level = (deviance + base.fit.prior).min(cost(&base.fit));
+    let contenders: Vec<Contender> = full
+        .iter()
+        .map(|(h, stage)| Contender { name: h.name(), gain: level - cost(&stage.fit) })
+        .collect();
+    for contender in &contenders {
+        let name = title(contender.name);
+        let row = search.scores.iter_mut().find(|row| row.round == round && row.name == name);
+        if let Some(row) = row {
+            row.refitted = Some(contender.gain);
+        }
+    }
+    let Some((winner, rivals)) = contenders.split_first() else { return Ok(false) };
+    if winner.gain.is_nan() || winner.gain < least {
+        return Ok(false);
+    }
+    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals: rivals.to_vec() });
+    search.after = full.swap_remove(0).1;
+    Ok(true)
+}
+
+/// What nothing reaches by chance: six sigma above the mean of the twins' best.
+fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
+    let mut best = Vec::new();
+    for gain in gains {
+        best.resize(best.len().max(gain.null.len()), 0.0_f64);
+        for (best, null) in best.iter_mut().zip(&gain.null) {
+            *best = best.max(*null);
+        }
+    }
+    if best.is_empty() {
+        return LEAST_GAIN;
+    }
+    let count = best.len() as f64;
+    let mean = best.iter().sum::<f64>() / count;
+    let spread = (best.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / count).sqrt();
+    (mean + 6.0 * spread).max(LEAST_GAIN)
+}
+
+/// Drops effects, the first added first, that the others have made needless.
+fn drop_needless(problem: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
+    let added = search.before.origin.effects.len();
+    let mut k = 0;
+    while search.rounds.len() > 1 && k < search.rounds.len() {
+        let place = added + k;
+        let mut origin = search.after.origin.clone();
+        origin.effects.remove(place);
+        let mut start = search.after.fit.model.clone();
+        start.effects.remove(place);
+        let coordinates: Vec<_> =
+            search.after.fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
+        let noise = search.after.fit.noise;
+        let fit = refit::polish(&problem, &origin, &start, &coordinates, &search.expected, &noise)?;
+        if cost(&fit) - cost(&search.after.fit) < LEAST_GAIN {
+            search.after = Stage { fit, origin };
+            search.rounds.remove(k);
+        } else {
+            k += 1;
+        }
+    }
+    Ok(())
+}
+
+/// A name as it is shown.
+pub fn title((kind, location): (Kind, Location)) -> String {
+    format!("{} ({location})", kind.spec().kind)
+}

@@ -1,0 +1,240 @@
+//! Where model and log disagree, before any name: which equation, and along which coordinate.
+//!
+//! Each equation in turn is given a push that wanders; the one whose push makes the log most likely
+//! is the one that misses something. The push is then laid against everything it might follow.
+
+use rayon::prelude::*;
+
+use super::findings::{Push, Shape, Whereabouts};
+use crate::estimate::filter::{Equation, Linearisation, Noise, Observer, Run, Walk};
+use crate::estimate::fit::{Problem, standing_walks};
+use crate::estimate::record::Channel;
+use crate::model::Model;
+use crate::plant::{BuildError, Layout, output_shaft, plant};
+use joint_core::joint::Drive;
+
+/// How fast pushes wander: share of their scale per root second.
+const RATES: [f64; 2] = [1.0, 10.0];
+/// Bins of a coordinate.
+const BINS: usize = 48;
+
+/// The disagreement of one model with a record.
+pub struct Disagreement {
+    /// The answer.
+    pub whereabouts: Whereabouts,
+    /// The push along the record.
+    pub push: Push,
+    /// The push against what it follows.
+    pub shape: Shape,
+}
+
+/// Looks for where a model disagrees with a record, and how a better one does there.
+///
+/// # Errors
+/// A model cannot be built.
+pub fn locate(
+    problem: &Problem<'_>,
+    before: &Model,
+    after: &Model,
+    noise: &Noise,
+    orders: &[f64],
+) -> Result<Disagreement, BuildError> {
+    let pushes = pushes(problem, before, noise);
+    let mut along = Linearisation::default();
+    problem.deviance_along(&mut along, before, noise)?;
+    let scored: Vec<(f64, Walk)> = pushes
+        .par_iter()
+        .map(|walk| {
+            let run = pushed(problem, before, &mut along.clone(), noise, *walk)?;
+            Ok((run.deviance, *walk))
+        })
+        .collect::<Result<_, BuildError>>()?;
+    let Some((_, walk)) = scored.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return Ok(Disagreement {
+            whereabouts: Whereabouts::default(),
+            push: Push::default(),
+            shape: Shape::default(),
+        });
+    };
+    let run = pushed(problem, before, &mut along, noise, walk)?;
+    let series: Vec<f64> = run.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect();
+    let better = pushed(problem, after, &mut Linearisation::default(), noise, walk)?;
+    let series_after: Vec<f64> =
+        better.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect();
+    let (equation, unit) = title(walk.equation, problem.record.drive, before.stages.len());
+    let coordinates = coordinates(problem, before, &run);
+    let mut best: Option<(f64, &str, Shape)> = None;
+    for (name, values) in &coordinates {
+        let Some((explained, shape)) = binned(name, values, &series, &series_after) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|(most, ..)| explained > *most) {
+            best = Some((explained, name, shape));
+        }
+    }
+    let lines = explained_by_lines(problem, &series, orders);
+    let (explained, varies_with, shape) = match best {
+        Some((share, name, shape)) if orders.is_empty() => {
+            (share, name.to_owned(), shape)
+        }
+        Some((_, _, shape)) => {
+            let turn = coordinates.iter().find(|(name, _)| *name == "motor_angle_rad (one turn)");
+            let own = turn.and_then(|(name, v)| binned(name, v, &series, &series_after));
+            (lines, "motor_angle_rad".to_owned(), own.map_or(shape, |(_, shape)| shape))
+        }
+        None => (0.0, String::new(), Shape::default()),
+    };
+    let whereabouts = Whereabouts {
+        equation: equation.clone(),
+        varies_with: varies_with.split(" (").next().unwrap_or_default().to_owned(),
+        orders: orders.to_vec(),
+        explained,
+    };
+    let push = Push { equation, unit, before: series, after: series_after };
+    Ok(Disagreement { whereabouts, push, shape })
+}
+
+fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
+    let largest = problem.record.drive_values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mut scales = vec![(Equation::Voltage, 0.05 * largest)];
+    for mass in 0..=model.stages.len() {
+        scales.push((Equation::Torque(mass), 20.0 * noise.torque));
+    }
+    for channel in Channel::ALL.into_iter().filter(|channel| problem.record.has(*channel)) {
+        scales.push((Equation::Sensor(channel), 5.0 * noise.sensors[channel as usize]));
+    }
+    let walk = |(equation, scale): (Equation, f64), rate: f64| Walk {
+        equation,
+        initial: scale,
+        rate: rate * scale,
+    };
+    scales.iter().flat_map(|scale| RATES.map(|rate| walk(*scale, rate))).collect()
+}
+
+fn pushed(
+    problem: &Problem<'_>,
+    model: &Model,
+    along: &mut Linearisation,
+    noise: &Noise,
+    walk: Walk,
+) -> Result<Run, BuildError> {
+    let plant = plant(model, &problem.record.grid, problem.record.drive)?;
+    let mut walks = standing_walks(problem.record);
+    walks.push(walk);
+    let (gains, mut run) =
+        Observer::new(model, &*plant, problem.record).design_along(along, noise, &walks);
+    run.deviance = problem.sum_of_squares(&run.innovations) + gains.log_variance(problem.mask);
+    Ok(run)
+}
+
+fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static str) {
+    match equation {
+        Equation::Voltage if drive == Drive::Current => ("imposed current".into(), "A"),
+        Equation::Voltage => ("voltage".into(), "V"),
+        Equation::Torque(0) => ("rotor torque".into(), "Nm"),
+        Equation::Torque(mass) if mass == stages => ("output torque".into(), "Nm at the motor"),
+        Equation::Torque(mass) => (format!("stage {mass} torque"), "Nm at the motor"),
+        Equation::Sensor(Channel::Current) => ("current sensor".into(), "A"),
+        Equation::Sensor(Channel::Motor) => ("motor encoder".into(), "rad"),
+        Equation::Sensor(Channel::Output) => ("output encoder".into(), "rad"),
+    }
+}
+
+/// What a push may follow, by sample.
+fn coordinates(
+    problem: &Problem<'_>,
+    model: &Model,
+    run: &Run,
+) -> Vec<(&'static str, Vec<f64>)> {
+    let layout = Layout { stages: model.stages.len() };
+    let shaft = output_shaft(model);
+    let last = layout.speed(layout.stages);
+    let series = |f: &dyn Fn(usize, &[f64]) -> f64| -> Vec<f64> {
+        run.states.iter().enumerate().map(|(k, x)| f(k, x)).collect()
+    };
+    let output = |x: &[f64]| {
+        let wound: f64 = (0..layout.stages).map(|k| x[layout.deflection(k)]).sum();
+        (x[Layout::ANGLE] - wound) * shaft
+    };
+    let current = |k: usize, x: &[f64]| match problem.record.drive {
+        Drive::Voltage => x[Layout::CURRENT],
+        Drive::Current => problem.record.drive_values[k],
+    };
+    let mut all = vec![
+        ("motor_angle_rad (one turn)", series(&|_, x| x[Layout::ANGLE].rem_euclid(std::f64::consts::TAU))),
+        ("motor_angle_rad (over the travel)", series(&|_, x| x[Layout::ANGLE])),
+        ("motor_speed_rad_per_s", series(&|_, x| x[layout.speed(0)])),
+        ("i_a", series(&|k, x| current(k, x))),
+        ("u_v", series(&|k, _| problem.record.drive_values[k])),
+        ("t_s", series(&|k, _| problem.record.time_s[k])),
+    ];
+    if layout.stages > 0 {
+        all.push(("output_angle_rad", series(&|_, x| output(x))));
+        all.push(("output_speed_rad_per_s", series(&|_, x| x[last] * shaft)));
+        let windup = layout.deflection(layout.stages - 1);
+        all.push(("output_windup_rad", series(&|_, x| x[windup] * shaft)));
+    }
+    all
+}
+
+/// Means of a series by bins of a coordinate, and the share of its variance that they explain.
+fn binned(
+    name: &str,
+    coordinate: &[f64],
+    series: &[f64],
+    after: &[f64],
+) -> Option<(f64, Shape)> {
+    let finite = coordinate.iter().copied().filter(|c| c.is_finite());
+    let (low, high) =
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
+    if low >= high || !(high - low).is_finite() {
+        return None;
+    }
+    let bin = |c: f64| (((c - low) / (high - low) * BINS as f64) as usize).min(BINS - 1);
+    let (mut count, mut sum, mut sum_after) = ([0.0; BINS], [0.0; BINS], [0.0; BINS]);
+    for ((c, s), a) in coordinate.iter().zip(series).zip(after) {
+        count[bin(*c)] += 1.0;
+        sum[bin(*c)] += s;
+        sum_after[bin(*c)] += a;
+    }
+    let total = series.len() as f64;
+    let mean = series.iter().sum::<f64>() / total;
+    let variance = series.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / total;
+    let between: f64 = (0..BINS)
+        .filter(|k| count[*k] > 0.0)
+        .map(|k| count[k] / total * (sum[k] / count[k] - mean).powi(2))
+        .sum();
+    let filled = |k: &usize| count[*k] > 0.0;
+    let per = |sums: [f64; BINS]| (0..BINS).filter(filled).map(|k| sums[k] / count[k]).collect();
+    let shape = Shape {
+        coordinate: name.to_owned(),
+        centres: (0..BINS)
+            .filter(filled)
+            .map(|k| low + (high - low) * (k as f64 + 0.5) / BINS as f64)
+            .collect(),
+        before: per(sum),
+        after: per(sum_after),
+    };
+    Some((if variance > 0.0 { between / variance } else { 0.0 }, shape))
+}
+
+/// Share of a push that sines at these orders of the motor angle explain.
+fn explained_by_lines(problem: &Problem<'_>, series: &[f64], orders: &[f64]) -> f64 {
+    let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+    let variance: f64 = series.iter().map(|s| (s - mean).powi(2)).sum();
+    let explained: f64 = orders
+        .iter()
+        .map(|order| {
+            let (mut cos, mut sin) = (0.0, 0.0);
+            for (row, value) in problem.record.measured.iter().zip(series) {
+                let angle = order * row[Channel::Motor as usize];
+                if angle.is_finite() {
+                    cos += (value - mean) * angle.cos();
+                    sin += (value - mean) * angle.sin();
+                }
+            }
+            2.0 * (cos * cos + sin * sin) / series.len() as f64
+        })
+        .sum();
+    if variance > 0.0 { (explained / variance).min(1.0) } else { 0.0 }
+}
