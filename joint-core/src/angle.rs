@@ -33,15 +33,10 @@ impl<S: Scalar> Angle<S> {
     #[inline]
     pub fn advance(&mut self, turns: S) {
         let increment = turns - self.lost;
-        let mut part = self.part + increment;
+        let part = self.part + increment;
         self.lost = (part - self.part) - increment;
-        if part >= S::HALF {
-            part = part - S::ONE;
-            self.whole = self.whole.wrapping_add(1);
-        } else if part < -S::HALF {
-            part = part + S::ONE;
-            self.whole = self.whole.wrapping_sub(1);
-        }
+        let (whole, part) = part.split_turns();
+        self.whole = self.whole.wrapping_add(whole);
         self.part = part;
     }
 

@@ -6,7 +6,6 @@
 //! stable at every step. Equations (2) and (3); symbols as there, with `ζ = σ0 z / α0` the bristle
 //! torque in units of the Coulomb level and `ρ = α0 / g(v)`.
 
-use crate::effect::Effects;
 use crate::joint::Mass;
 use crate::params;
 use crate::scalar::Scalar;
@@ -30,13 +29,17 @@ pub struct Friction<S: Scalar> {
     sigma2: S,
 }
 
+/// A level g(v) of zero at standstill would leave ζ there undefined.
+const LEAST_BETA: f64 = -1.0 + 1e-6;
+
 /// The bristle of one mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bristle<S> {
     /// ζ = σ0 z / α0: bristle torque over Coulomb level.
     pub zeta: S,
-    /// ρ = α0 / g(v) at the speed of the last flow.
-    pub rho: S,
+    /// χ = ż / v = 1 − sgn(v) ζ ρ at the end of the last flow: the share of the motion that bends
+    /// the bristle.
+    pub(crate) bending: S,
 }
 
 impl<S: Scalar> Friction<S> {
@@ -59,7 +62,7 @@ impl<S: Scalar> Friction<S> {
         let damping = shaft * shaft * speed / torque;
         Self {
             per_stribeck_velocity: S::gain(speed * shaft / friction.stribeck_velocity_rad_per_s),
-            beta: S::from_f64(beta),
+            beta: S::from_f64(beta.max(LEAST_BETA)),
             kappa: S::gain(kappa * speed),
             level: S::gain(alpha0 / torque),
             stiffness: S::gain(sigma0 * angle / torque),
@@ -68,33 +71,30 @@ impl<S: Scalar> Friction<S> {
         }
     }
 
-    /// ρ(v) = 1 / (1 + β exp(−(v/v0)²)), equation (3).
-    #[inline]
-    pub(crate) fn rho(&self, speed: S) -> S {
-        let relative = speed.times(self.per_stribeck_velocity).clamped(S::EIGHT);
-        S::ONE.over(S::ONE + self.beta * (relative * relative).exp_minus())
+    /// 1/ρ = g(v)/α0 = 1 + β exp(−(v/v0)²), equation (3).
+    #[inline(always)]
+    fn slip_level(&self, speed: S) -> S {
+        S::ONE + self.beta * speed.times(self.per_stribeck_velocity).bell()
     }
 
-    /// Moves a mass's bristle over half a step at its speed; `inverse_levels` are one over the
-    /// effects' factor on g(v) at the start and at the end.
-    #[inline]
-    pub(crate) fn advance<E: Effects<S>>(&self, mass: &mut Mass<S>, inverse_levels: [S; 2]) {
-        if E::LEVELS {
-            self.flow_along(&mut mass.bristle, mass.speed, inverse_levels);
-        } else {
-            self.flow(&mut mass.bristle, mass.speed);
-        }
+    /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
+    pub(crate) fn settle(&self, mass: &mut Mass<S>, inverse_level: S) {
+        let slip = mass.bristle.zeta.over(self.slip_level(mass.speed)) * inverse_level;
+        mass.bristle.bending = bending(mass.speed, slip);
     }
 
-    /// Moves the bristle over half a step at this speed.
-    #[inline]
-    fn flow(&self, bristle: &mut Bristle<S>, speed: S) {
-        let rho = self.rho(speed);
-        let reach = speed.times(self.kappa);
-        let decay = reach.abs() * rho;
-        let series = S::ONE + decay * S::HALF;
-        bristle.zeta = (bristle.zeta + reach * series).over(S::ONE + decay * series);
-        bristle.rho = rho;
+    /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and a = 1 + x/2,
+    /// `ζ ← (ζ + y a) / (1 + x a)`. Numerator and denominator are multiplied by 1/ρ², so that one
+    /// division gives the new ζ ρ.
+    #[inline(always)]
+    pub(crate) fn flow(&self, mass: &mut Mass<S>) {
+        let level = self.slip_level(mass.speed);
+        let y = mass.speed.times(self.kappa);
+        let reach = y.abs();
+        let series = level + reach * S::HALF;
+        let slip = (mass.bristle.zeta * level + y * series).over(level * level + reach * series);
+        mass.bristle.zeta = slip * level;
+        mass.bristle.bending = bending(mass.speed, slip);
     }
 
     /// Moves the bristle over half a step in which an effect's factor on g(v) changes; both
@@ -105,11 +105,12 @@ impl<S: Scalar> Friction<S> {
     /// that the bristle sees is the one at `w = 1/(1 − e^−x) − 1/x` of the way, here as a quotient
     /// of polynomials that is right at both ends.
     #[inline]
-    fn flow_along(&self, bristle: &mut Bristle<S>, speed: S, inverse_levels: [S; 2]) {
+    pub(crate) fn flow_along(&self, mass: &mut Mass<S>, inverse_levels: [S; 2]) {
         let [start, end] = inverse_levels;
-        let plain = self.rho(speed);
-        let reach = speed.times(self.kappa);
-        let decay = reach.abs() * plain * (start + end) * S::HALF;
+        let plain = self.slip_level(mass.speed);
+        let rho = S::ONE.over(plain);
+        let reach = mass.speed.times(self.kappa);
+        let decay = reach.abs() * rho * (start + end) * S::HALF;
         let three = S::ONE + S::ONE + S::ONE;
         let square = decay * decay;
         let (above, below) = (
@@ -118,35 +119,86 @@ impl<S: Scalar> Friction<S> {
         );
         let way = above.over(below);
         let (first, last) = (S::ONE.over(start), S::ONE.over(end));
-        let target = (first + (last - first) * way).over(plain);
-        let target = if speed < S::ZERO { -target } else { target };
+        let target = (first + (last - first) * way) * plain;
+        let target = if mass.speed < S::ZERO { -target } else { target };
         let series = decay * (S::ONE + decay * S::HALF);
-        bristle.zeta = (bristle.zeta + series * target).over(S::ONE + series);
-        bristle.rho = plain * end;
-    }
-
-    /// χ = ż / v = 1 − sgn(v) ζ ρ: the share of the motion that bends the bristle.
-    #[inline]
-    pub(crate) fn bending(&self, bristle: &Bristle<S>, speed: S) -> S {
-        let slip = bristle.zeta * bristle.rho;
-        if speed < S::ZERO { S::ONE + slip } else { S::ONE - slip }
+        let zeta = (mass.bristle.zeta + series * target).over(S::ONE + series);
+        mass.bristle.zeta = zeta;
+        mass.bristle.bending = bending(mass.speed, zeta * rho * end);
     }
 
     /// Bristle torque σ0 z.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn torque(&self, bristle: &Bristle<S>) -> S {
         bristle.zeta.times(self.level)
     }
 
     /// Damping c = σ1 χ + σ2, the torque per speed beside the bristle torque.
-    #[inline]
-    pub(crate) fn damping(&self, bending: S, viscous: S) -> S {
-        self.sigma1 * bending + self.sigma2 * viscous
+    #[inline(always)]
+    pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {
+        self.sigma1 * bristle.bending + self.sigma2 * viscous
     }
 
     /// Change of the bristle torque with the angle: σ0 χ.
-    #[inline]
-    pub(crate) fn slope(&self, bending: S) -> S {
-        bending.times(self.stiffness)
+    #[inline(always)]
+    pub(crate) fn slope(&self, bristle: &Bristle<S>) -> S {
+        bristle.bending.times(self.stiffness)
+    }
+}
+
+/// χ = 1 − sgn(v) ζ ρ, from ζ ρ.
+#[inline(always)]
+fn bending<S: Scalar>(speed: S, slip: S) -> S {
+    if speed < S::ZERO { S::ONE + slip } else { S::ONE - slip }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn friction(stribeck_nm: f64) -> Friction<f64> {
+        let friction = params::Friction {
+            sigma0_nm_per_rad: 3.0,
+            coulomb_nm: 0.5,
+            stribeck_nm,
+            stribeck_velocity_rad_per_s: 2.0,
+            ..params::Friction::default()
+        };
+        Friction::new(&friction, 1.0, 0.1, [1.0; 3])
+    }
+
+    #[test]
+    fn the_flow_is_the_pade_quotient() {
+        for k in -40..=40 {
+            let speed = 0.2 * f64::from(k);
+            let bristle = Bristle { zeta: 0.3, bending: 0.0 };
+            let mut mass = Mass { speed, bristle, ..Mass::default() };
+            friction(0.2).flow(&mut mass);
+            let rho = 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
+            let y = 3.0 * 0.1 / 0.5 * speed;
+            let a = 1.0 + y.abs() * rho / 2.0;
+            let zeta = (0.3 + y * a) / (1.0 + y.abs() * rho * a);
+            // The exponential's error, 1e-10, times β and the slopes, all below one.
+            assert!((mass.bristle.zeta - zeta).abs() < 1e-9, "at {speed}");
+            let bending = 1.0 - if speed < 0.0 { -1.0 } else { 1.0 } * zeta * rho;
+            assert!((mass.bristle.bending - bending).abs() < 1e-9, "at {speed}");
+        }
+    }
+
+    #[test]
+    fn a_changing_level_that_stays_the_same_is_the_plain_flow() {
+        let start = Mass { speed: -1.3, ..Mass::default() };
+        let (mut plain, mut along) = (start, start);
+        friction(0.2).flow(&mut plain);
+        friction(0.2).flow_along(&mut along, [1.0, 1.0]);
+        assert!((plain.bristle.zeta - along.bristle.zeta).abs() < 1e-14);
+        assert!((plain.bristle.bending - along.bristle.bending).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_bristle_without_any_level_at_standstill_rests() {
+        let mut mass = Mass::default();
+        friction(-0.5).flow(&mut mass);
+        assert_eq!(mass.bristle.zeta, 0.0);
     }
 }

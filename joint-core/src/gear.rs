@@ -42,27 +42,28 @@ impl<S: Scalar> Spring<S> {
     }
 
     /// Elastic torque.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn torque(&self, deflection: S) -> S {
         let square = deflection * deflection;
         deflection.times(self.linear) + (deflection * square).times(self.cubic)
     }
 
     /// Torque of the damper at a relative speed.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn damping_torque(&self, relative: S) -> S {
         relative.times(self.damping)
     }
 
     /// Derivative of the elastic torque with the deflection.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn slope(&self, deflection: S) -> S {
+        let three = S::ONE + S::ONE + S::ONE;
         let square = deflection * deflection;
-        S::ONE.times(self.linear) + (square + square + square).times(self.cubic)
+        S::ONE.times(self.linear) + (three * square).times(self.cubic)
     }
 
     /// Lets the damper act for half a step on the speeds before and after it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn damp(&self, before: &mut S, after: &mut S) {
         let relative = *before - *after;
         *before = *before - relative.times(self.before);

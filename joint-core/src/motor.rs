@@ -75,14 +75,14 @@ impl<S: Scalar> RotorKick<S> {
     }
 
     /// Share of a voltage held over the kick that the current has followed at its end.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn approach(&self) -> S {
         self.approach
     }
 
     /// New speed and current after the kick: `force` is the torque on the rotor beside the motor's,
     /// `damping` its torque per speed, `drive` the final current of the held voltage.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn apply(&self, speed: S, current: S, force: S, damping: S, drive: S) -> (S, S) {
         let excess = current - drive;
         let gained = (force - damping * speed).times(self.per_torque)
@@ -92,7 +92,7 @@ impl<S: Scalar> RotorKick<S> {
         let x = damping.times(self.per_torque) * S::HALF;
         let new = speed + gained * (S::ONE - x + x * x);
         let current =
-            drive + excess.times(self.decay) - new.times(self.after) + speed.times(self.before);
+            drive + excess.times(self.decay) + speed.times(self.before) - new.times(self.after);
         (new, current)
     }
 }

@@ -32,13 +32,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         }
     }
 
-    #[inline]
+    /// A function of its own: inlined into the loop over micro-steps, its constants would all be
+    /// loaded before the loop, spilled, and loaded again.
+    #[inline(never)]
     fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
         self.kick::<0>(state, input);
         let first = state.rotor.speed;
         self.half_drift(state);
-        let ahead =
-            if E::TORQUES { state.angle.ahead(first.times(self.half_turn)) } else { state.angle };
+        let ahead = state.angle.ahead(first.times(self.half_turn));
         let gradient = self.forces(state, ahead);
         self.correct(state, input, &gradient);
         self.damp(state, &gradient);
@@ -54,39 +55,50 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// from outside.
     pub fn refresh(&self, state: &mut State<S, N>) {
         let (rotor, stages) = self.levels(state);
-        state.rotor.bristle.rho = self.rotor.rho(state.rotor.speed) * rotor;
+        self.rotor.settle(&mut state.rotor, rotor);
         for ((stage, own), level) in state.stages.iter_mut().zip(&self.stages).zip(stages) {
-            stage.mass.bristle.rho = own.friction.rho(stage.mass.speed) * level;
+            own.friction.settle(&mut stage.mass, level);
         }
         self.forces(state, state.angle);
     }
 
     /// Deflections and bristles over half a micro-step at constant speed.
-    #[inline]
+    #[inline(always)]
     fn half_drift(&self, state: &mut State<S, N>) {
-        let before = self.levels(state);
-        let mut speed = state.rotor.speed;
+        if self.effects.has_levels() {
+            let before = self.levels(state);
+            self.half_drift_deflections(state);
+            let after = self.levels(state);
+            self.rotor.flow_along(&mut state.rotor, [before.0, after.0]);
+            let levels = before.1.into_iter().zip(after.1);
+            let stages = state.stages.iter_mut().zip(&self.stages);
+            for ((stage, own), (before, after)) in stages.zip(levels) {
+                own.friction.flow_along(&mut stage.mass, [before, after]);
+            }
+        } else {
+            self.half_drift_deflections(state);
+            self.rotor.flow(&mut state.rotor);
+            for (stage, own) in state.stages.iter_mut().zip(&self.stages) {
+                own.friction.flow(&mut stage.mass);
+            }
+        }
+    }
+
+    /// Deflections over half a micro-step at constant speed.
+    #[inline(always)]
+    fn half_drift_deflections(&self, state: &mut State<S, N>) {
+        let mut before = state.rotor.speed;
         for stage in &mut state.stages {
             let after = stage.mass.speed;
-            stage.deflection = stage.deflection + (speed - after).times(self.half_drift);
-            speed = after;
-        }
-        let after = self.levels(state);
-        self.rotor.advance::<E>(&mut state.rotor, [before.0, after.0]);
-        let levels = before.1.into_iter().zip(after.1);
-        for ((stage, own), (before, after)) in state.stages.iter_mut().zip(&self.stages).zip(levels)
-        {
-            own.friction.advance::<E>(&mut stage.mass, [before, after]);
+            stage.deflection = stage.deflection + (before - after).times(self.half_drift);
+            before = after;
         }
     }
 
     /// One over the effects' factor on every friction level.
-    #[inline]
+    #[inline(always)]
     fn levels(&self, state: &State<S, N>) -> (S, [S; N]) {
         let mut levels = [S::ONE; N];
-        if !E::LEVELS {
-            return (S::ONE, levels);
-        }
         let mut before = state.rotor.speed;
         let stages = state.stages.iter().zip(&self.stages);
         for ((level, (stage, own)), number) in levels.iter_mut().zip(stages).zip(0..N) {
@@ -100,7 +112,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// Forces and damping of every mass, but for the load and the motor; and how they change.
-    #[inline]
+    #[inline(always)]
     fn forces(&self, state: &mut State<S, N>, angle: Angle<S>) -> Gradient<S, N> {
         let mut gradient = Gradient {
             rotor: S::ZERO,
@@ -109,11 +121,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             contact: [S::ONE; N],
         };
         let rotor = &mut state.rotor;
-        let bending = self.rotor.bending(&rotor.bristle, rotor.speed);
         rotor.force = -self.rotor.torque(&rotor.bristle);
-        rotor.damping = self.rotor.damping(bending, self.effects.viscous(0, rotor.speed));
-        gradient.rotor = self.rotor.slope(bending);
-        if E::TORQUES {
+        rotor.damping = self.rotor.damping(&rotor.bristle, self.effects.viscous(0, rotor.speed));
+        gradient.rotor = self.rotor.slope(&rotor.bristle);
+        if self.effects.has_torque(0) {
             let torque = self.effects.torque(0, Motion { angle, speed: rotor.speed });
             rotor.force = rotor.force + torque.value;
             gradient.rotor = gradient.rotor - torque.slope;
@@ -134,12 +145,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *contact = touching;
             *before = *before - torque;
             let mass = &mut stage.mass;
-            let bending = own.friction.bending(&mass.bristle, mass.speed);
             mass.force = torque - own.friction.torque(&mass.bristle);
-            mass.damping = own.friction.damping(bending, self.effects.viscous(number, mass.speed));
-            *mass_slope = own.friction.slope(bending);
-            if E::TORQUES {
-                wound = wound + stage.deflection;
+            mass.damping =
+                own.friction.damping(&mass.bristle, self.effects.viscous(number, mass.speed));
+            *mass_slope = own.friction.slope(&mass.bristle);
+            wound = wound + stage.deflection;
+            if self.effects.has_torque(number) {
                 let part = own.shaft.of(angle.ahead(-wound.times(self.turns)));
                 let at = Motion { angle: Angle { part, ..Angle::default() }, speed: mass.speed };
                 let torque = self.effects.torque(number, at);
@@ -152,7 +163,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// Adds the force gradient `h²/24 · ∂f/∂q · M⁻¹ f` to the forces of the middle kick.
-    #[inline]
+    #[inline(always)]
     fn correct(&self, state: &mut State<S, N>, input: Input<S>, gradient: &Gradient<S, N>) {
         let motor = state.current;
         let unloaded = if N == 0 { state.rotor.force - input.load } else { state.rotor.force };
@@ -168,13 +179,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let moved = loaded.times(own.gamma);
             let exchanged = *spring * (before.1 - moved);
             *before.0 = *before.0 - exchanged;
-            *force = *force + exchanged - *mass_slope * moved;
+            *force = *force - *mass_slope * moved + exchanged;
             before = (force, moved);
         }
     }
 
     /// Lets the springs' dampers act for half a micro-step.
-    #[inline]
+    #[inline(always)]
     fn damp(&self, state: &mut State<S, N>, gradient: &Gradient<S, N>) {
         let mut before = &mut state.rotor.speed;
         for ((stage, own), contact) in
@@ -188,14 +199,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// Speeds and current over one kick: `WHICH` is 0 for the outer, 1 for the middle one.
-    #[inline]
+    #[inline(always)]
     fn kick<const WHICH: usize>(&self, state: &mut State<S, N>, input: Input<S>) {
         let kick = if WHICH == 0 { &self.outer } else { &self.middle };
         let rotor = &mut state.rotor;
         let force = if N == 0 { rotor.force - input.load } else { rotor.force };
         let mut drive = input.drive;
         let apply = |drive| kick.apply(rotor.speed, state.current, force, rotor.damping, drive);
-        if E::DROPS {
+        if self.effects.has_drops() {
             let (_, free) = apply(drive);
             drive = drive - self.effects.voltage_drop(free, kick.approach());
         }
@@ -207,8 +218,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let force = if number == N { mass.force - input.load } else { mass.force };
             let [outer, middle] = own.mobility;
             let mobility = if WHICH == 0 { outer } else { middle };
-            let x = mass.damping.times(mobility) * S::HALF;
-            let gained = (force - mass.damping * mass.speed).times(mobility);
+            let lost = mass.damping.times(mobility);
+            let x = lost * S::HALF;
+            let gained = force.times(mobility) - lost * mass.speed;
             mass.speed = mass.speed + gained * (S::ONE - x + x * x);
         }
     }

@@ -209,17 +209,29 @@ pub struct Torque<S> {
 }
 
 /// Where effects enter the step. Every method has a default that changes nothing, and a joint with
-/// the effects `()` compiles to the plain equations.
+/// the effects `()` compiles to the plain equations. A law whose hook has a `has_` beside it is
+/// called only where that says so.
 ///
 /// Masses count from 0 at the rotor, stages from 0 at the motor. All quantities are per-unit and
 /// reflected to the motor shaft.
 pub trait Effects<S: Scalar> {
-    /// Whether [`Effects::torque`] is to be called: it needs the angle of every mass.
-    const TORQUES: bool = false;
-    /// Whether [`Effects::inverse_level`] needs the transmitted torque.
-    const LEVELS: bool = false;
-    /// Whether [`Effects::voltage_drop`] is to be called.
-    const DROPS: bool = false;
+    /// Whether [`Effects::torque`] is to be called for this mass: it needs the mass's angle.
+    #[inline(always)]
+    fn has_torque(&self, _mass: usize) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::inverse_level`] is to be called: it needs the transmitted torques.
+    #[inline(always)]
+    fn has_levels(&self) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::voltage_drop`] is to be called: it needs the kick twice.
+    #[inline(always)]
+    fn has_drops(&self) -> bool {
+        false
+    }
 
     /// Voltage lost on the way to the winding, as its share of 2R, that is in units of current:
     /// `current` is what flows at the end of the interval without this loss, and `per_drop` how much

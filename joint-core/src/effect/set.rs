@@ -101,9 +101,17 @@ impl<S: Scalar> EffectSet<S> {
 }
 
 impl<S: Scalar> Effects<S> for EffectSet<S> {
-    const TORQUES: bool = true;
-    const LEVELS: bool = true;
-    const DROPS: bool = true;
+    fn has_torque(&self, _mass: usize) -> bool {
+        true
+    }
+
+    fn has_levels(&self) -> bool {
+        true
+    }
+
+    fn has_drops(&self) -> bool {
+        true
+    }
 
     #[inline]
     fn voltage_drop(&self, current: S, per_drop: S) -> S {
