@@ -3,8 +3,8 @@
 //! Each file holds one effect: its equation, where it can sit, its parameters with unit and range,
 //! and the per-unit law that both the drive's step and the host's reference call. How an effect is
 //! spotted in a log stands in the host harness, not here. To add one: a file beside these, a
-//! variant in [`Kind`] and in [`Effect`], and a line in [`Effects`] for `EffectSet` where its law
-//! enters the equations.
+//! variant in [`Kind`] and in [`Effect`], and in `EffectSet` a line in `Uses` and one in
+//! [`Effects`] where its law enters the equations.
 
 pub mod asymmetric_friction;
 pub mod backlash;

@@ -69,29 +69,72 @@ impl<S: Scalar> Effect<S> {
     }
 }
 
+type Laws<S> = Vec<Effect<S>, MAX_EFFECTS>;
+
 /// The effects of one joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = ""))]
+#[cfg_attr(feature = "serde", serde(bound = "", from = "Laws<S>", into = "Laws<S>"))]
 pub struct EffectSet<S: Scalar> {
-    effects: Vec<Effect<S>, MAX_EFFECTS>,
+    effects: Laws<S>,
+    uses: Uses,
+}
+
+/// Which laws a set has, found when it is built, so that the step passes over the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Uses {
+    /// A bit for every mass that a torque acts on.
+    torques: u32,
+    levels: bool,
+    viscous: bool,
+    deflections: bool,
+    drops: bool,
+}
+
+impl Uses {
+    fn with<S: Scalar>(self, effect: &Effect<S>) -> Self {
+        match effect {
+            Effect::AsymmetricFriction(_) => Self { levels: true, viscous: true, ..self },
+            Effect::Backlash(_) => Self { deflections: true, ..self },
+            Effect::Cogging(_) => Self { torques: self.torques | 1, ..self },
+            Effect::CurrentOffset(_) => self,
+            Effect::DeadTime(_) => Self { drops: true, ..self },
+            Effect::Gravity(law) => {
+                Self { torques: self.torques | 1_u32.wrapping_shl(u32::from(law.mass)), ..self }
+            }
+            Effect::LoadDependentFriction(_) => Self { levels: true, ..self },
+        }
+    }
+}
+
+impl<S: Scalar> From<Laws<S>> for EffectSet<S> {
+    fn from(effects: Laws<S>) -> Self {
+        let uses = effects.iter().fold(Uses::default(), Uses::with);
+        Self { effects, uses }
+    }
+}
+
+impl<S: Scalar> From<EffectSet<S>> for Laws<S> {
+    fn from(set: EffectSet<S>) -> Self {
+        set.effects
+    }
 }
 
 impl<S: Scalar> EffectSet<S> {
     /// The laws of these effects and of the load's gravity; `None` where a place does not exist
     /// or there are more than [`MAX_EFFECTS`].
     pub fn new(effects: &[EffectParameters], load: &Load, bases: &Bases<'_>) -> Option<Self> {
-        let mut set = Self { effects: Vec::new() };
+        let mut laws = Laws::new();
         if load.gravity_nm != 0.0 {
             let gravity = EffectParameters::new(Kind::Gravity, Location::Output)
                 .with("amplitude_nm", load.gravity_nm)
                 .with("phase_rad", load.gravity_phase_rad);
-            set.effects.push(Effect::new(&gravity, bases)?).ok()?;
+            laws.push(Effect::new(&gravity, bases)?).ok()?;
         }
         for effect in effects {
-            set.effects.push(Effect::new(effect, bases)?).ok()?;
+            laws.push(Effect::new(effect, bases)?).ok()?;
         }
-        Some(set)
+        Some(laws.into())
     }
 
     /// Whether there is none.
@@ -101,16 +144,19 @@ impl<S: Scalar> EffectSet<S> {
 }
 
 impl<S: Scalar> Effects<S> for EffectSet<S> {
-    fn has_torque(&self, _mass: usize) -> bool {
-        true
+    #[inline(always)]
+    fn has_torque(&self, mass: usize) -> bool {
+        self.uses.torques & 1_u32.wrapping_shl(mass as u32) != 0
     }
 
+    #[inline(always)]
     fn has_levels(&self) -> bool {
-        true
+        self.uses.levels
     }
 
+    #[inline(always)]
     fn has_drops(&self) -> bool {
-        true
+        self.uses.drops
     }
 
     #[inline]
@@ -152,6 +198,9 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline]
     fn deflection(&self, stage: usize, deflection: S) -> (S, S) {
+        if !self.uses.deflections {
+            return (deflection, S::ONE);
+        }
         self.effects.iter().fold((deflection, S::ONE), |(felt, slope), effect| match effect {
             Effect::Backlash(law) if stage == usize::from(law.stage) => {
                 let (felt, own) = law.deflection(felt);
@@ -176,6 +225,9 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline]
     fn viscous(&self, mass: usize, speed: S) -> S {
+        if !self.uses.viscous {
+            return S::ONE;
+        }
         self.effects.iter().fold(S::ONE, |factor, effect| match effect {
             Effect::AsymmetricFriction(law) if mass == usize::from(law.mass) => {
                 factor * law.viscous(speed)
