@@ -1,8 +1,8 @@
 //! The assembled joint: constants, state, and how both are read.
 //!
 //! [`Joint`] is built once from SI parameters and never changes; [`State`] is what moves. One joint
-//! drives many states. Masses count from 0 at the rotor; quantities asked for or given here are SI
-//! at the mass's own side, while the state itself is per-unit and reflected to the motor.
+//! drives many states. Masses count from 0 at the rotor. Quantities asked for or given here are SI and
+//! reflected to the motor, as the state is in per-unit; the load is the output's own.
 
 use crate::angle::{Angle, Ratio};
 use crate::effect::{EffectParameters, EffectSet, Effects};
@@ -73,7 +73,7 @@ pub struct Joint<S: Scalar, const N: usize, E = ()> {
     pub(crate) effects: E,
     per_drive: S::Gain,
     per_load: S::Gain,
-    current_imposed: bool,
+    pub(crate) current_imposed: bool,
     pub(crate) units: Units<S>,
 }
 
@@ -135,13 +135,17 @@ impl<S: Scalar, const N: usize> Joint<S, N> {
     /// A joint without effects.
     ///
     /// # Errors
-    /// The first parameter that the equations cannot take.
+    /// The first parameter that the equations cannot take; gravity, which is a law of the
+    /// [`EffectSet`].
     pub fn new(
         motor: &Motor,
         stages: &[Stage; N],
         load: &Load,
         settings: &Settings<'_>,
     ) -> Result<Self, ParameterError> {
+        if load.gravity_nm != 0.0 {
+            return Err(params::gravity_without_effects(load));
+        }
         Self::with(motor, stages, load, settings, |_| Some(()))
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! These are the numbers of a datasheet or a model file. They are validated here, with an error
 //! that names the offender, and then turned once into the per-unit coefficients of
-//! [`crate::plant`]; nothing downstream checks again. Field names are the keys of the model file
+//! [`crate::joint`]; nothing downstream checks again. Field names are the keys of the model file
 //! and carry their unit. Ranges are deliberately wide: a value is refused only where the equations
 //! of docs/model.md lose their meaning.
 
@@ -235,6 +235,8 @@ pub enum Reason {
     },
     /// The joint has no such place for this effect.
     NoSuchPlace,
+    /// Only a joint with an effect set has this law.
+    NeedsEffectSet,
     /// There may be this many.
     TooMany {
         /// Most there may be.
@@ -261,6 +263,9 @@ impl fmt::Display for Reason {
                 "breaks the power balance k_t = 2 k_e: expected {expected} (leave the key out to have it so)"
             ),
             Reason::NoSuchPlace => f.write_str("this effect cannot sit there in this joint"),
+            Reason::NeedsEffectSet => {
+                f.write_str("needs a joint with an effect set: Joint<S, N, EffectSet<S>>")
+            }
             Reason::TooMany { most } => write!(f, "at most {most} effects fit one joint"),
             Reason::OutOfRange { low, high } => write!(f, "must lie between {low} and {high}"),
         }
@@ -400,6 +405,11 @@ pub(crate) fn validate_drive(
         check.positive("phase_resistance_ohm", motor.phase_resistance_ohm)?;
     }
     check.positive("step_s", step_s)
+}
+
+/// Gravity in a joint that has no laws beside the plain equations.
+pub(crate) fn gravity_without_effects(load: &Load) -> ParameterError {
+    Check(Table::Load).fail("gravity_nm", load.gravity_nm, Reason::NeedsEffectSet)
 }
 
 /// An effect that the joint has no place for, though validation let it pass.
