@@ -38,6 +38,10 @@ macro_rules! verbs {
 verbs! {
     Simulate => simulate,
     CrossCheck => cross_check,
+    Identify => identify,
+    Discover => discover,
+    Score => score,
+    Demo => demo,
 }
 
 /// Runs the command line of this process.

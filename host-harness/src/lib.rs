@@ -2,6 +2,8 @@
 
 pub mod cli;
 pub mod cross_check;
+pub mod demo;
+pub mod discover;
 pub mod estimate;
 pub mod fault;
 pub mod inputs;
@@ -10,7 +12,9 @@ pub mod model;
 pub mod output;
 pub mod plant;
 pub mod reference;
+pub mod report;
 pub mod scenario;
+pub mod score;
 pub mod simulated;
 pub mod synthetic;
 pub mod verb;

@@ -105,11 +105,16 @@ pub fn discover(
 
     bar.set_message("where they disagree");
     let (before, after) = (&found.before.fit, &found.after.fit);
-    // A gap is counted in noise that is believable, not in noise that hides what is missing.
-    let noise = believable(&after.noise, &found.expected);
+    // Where nothing was found, the gap is counted in noise that is believable, not in noise that
+    // hides what is missing.
+    let noise = match found.rounds.is_empty() {
+        true => believable(&after.noise, &found.expected),
+        false => after.noise,
+    };
     let (_, innovations_before, _) = problem.design(&before.model, &noise)?;
     let (_, innovations_after, _) = problem.design(&after.model, &noise)?;
-    let disagreement = locate(&problem, &before.model, &after.model, &noise, &found.orders)?;
+    let orders = orders(&found);
+    let disagreement = locate(&problem, &before.model, &after.model, &noise, &orders)?;
     bar.inc(1);
 
     let judged = Fit { noise, ..after.clone() };
@@ -153,11 +158,29 @@ pub fn discover(
         after: shown(&record, &innovations_after),
         push: disagreement.push,
         shape: disagreement.shape,
-        orders: found.orders.iter().map(|order| [*order, f64::NAN, f64::NAN]).collect(),
+        orders: orders.iter().map(|order| [*order, f64::NAN, f64::NAN]).collect(),
         parameters: parameter_rows(nominal, before, after),
         scores: found.scores.clone(),
         noises: noise_rows(&found, &record),
     })
+}
+
+/// Orders of the rotor angle: those of the lines that were added, the strongest first, then what
+/// else explained something.
+fn orders(found: &Search) -> Vec<f64> {
+    let effects = found.after.fit.model.effects.iter();
+    let mut lines: Vec<[f64; 2]> = effects
+        .filter(|effect| effect.kind == Kind::Cogging)
+        .map(|effect| [effect.values[0], effect.values[1].abs()])
+        .collect();
+    lines.sort_by(|a, b| b[1].total_cmp(&a[1]));
+    let mut orders: Vec<f64> = lines.iter().map(|[order, _]| *order).collect();
+    for order in &found.orders {
+        if !orders.iter().any(|known| (known - order).abs() < 0.5) {
+            orders.push(*order);
+        }
+    }
+    orders
 }
 
 /// Noise that is at most twice what is expected.
@@ -252,11 +275,8 @@ fn sizes(
 ) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
     let specs = effect.kind.spec().parameters;
     let key = |value: usize| specs.get(value).map_or("", |spec| spec.key).to_owned();
-    let parameters = specs
-        .iter()
-        .zip(effect.values)
-        .map(|(spec, value)| (spec.key.to_owned(), value))
-        .collect();
+    let parameters =
+        specs.iter().zip(effect.values).map(|(spec, value)| (spec.key.to_owned(), value)).collect();
     let mut errors = BTreeMap::new();
     for (k, coordinate) in fit.coordinates.iter().enumerate() {
         match *coordinate {
@@ -354,7 +374,9 @@ fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) ->
         })
         .collect();
     if found.rounds.is_empty() {
-        all.push("no listed effect explains more than chance does on twins of the model".to_owned());
+        all.push(
+            "no listed effect explains more than chance does on twins of the model".to_owned(),
+        );
     }
     if complaints.is_empty() {
         all.push(format!(

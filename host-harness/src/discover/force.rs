@@ -13,6 +13,9 @@ use joint_core::joint::Drive;
 use crate::estimate::record::{Channel, Record};
 use crate::model::Model;
 
+/// Samples at each end that the filters need to settle.
+const EDGE: usize = 75;
+
 /// Relative force error of a joint without stages, `None` where the record or the model does not
 /// allow one: stages, a voltage, uneven sampling, or missing angles.
 pub fn relative_force_error(model: &Model, record: &Record) -> Option<f64> {
@@ -67,7 +70,8 @@ pub fn relative_force_error(model: &Model, record: &Record) -> Option<f64> {
     let constant = model.motor.torque_constant_nm_per_a;
     let motor: Vec<f64> = record.drive_values.iter().map(|i| constant * (i - offset)).collect();
     let (modelled, motor) = (both_ways(&modelled, 0.04), both_ways(&motor, 0.04));
-    let inner = 10..angle.len() - 10;
+    // The filters' own start and end are no measurement.
+    let inner = EDGE..angle.len() - EDGE;
     let missed: f64 = inner.clone().map(|k| (motor[k] - modelled[k]).powi(2)).sum();
     let whole: f64 = inner.map(|k| motor[k].powi(2)).sum();
     (whole > 0.0).then(|| (missed / whole).sqrt())

@@ -1,15 +1,15 @@
 //! The workflow: where a model and a log disagree, what is missing, and by how much the gap shrinks
 //! when it is added.
 
-mod answer;
+pub mod answer;
 pub mod candidates;
 pub mod findings;
-mod force;
-mod gate;
-mod hypothesis;
-mod next_experiment;
-mod score_test;
-mod search;
-mod whereabouts;
+pub mod force;
+pub mod gate;
+pub mod hypothesis;
+pub mod next_experiment;
+pub mod score_test;
+pub mod search;
+pub mod whereabouts;
 
-pub use answer::discover;
+pub use answer::{DiscoverError, STEPS, discover};

@@ -42,12 +42,7 @@ pub struct Gain {
 
 impl<'a> ScoreTest<'a> {
     /// Of a fitted model, with that many twins; `None` if its curvature is not positive.
-    pub fn new(
-        problem: Problem<'a>,
-        origin: &'a Model,
-        base: &'a Fit,
-        twins: u64,
-    ) -> Option<Self> {
+    pub fn new(problem: Problem<'a>, origin: &'a Model, base: &'a Fit, twins: u64) -> Option<Self> {
         let jacobian = problem.sensitivity(&base.model, &base.gains, &base.coordinates, None);
         let rows = base.coordinates.iter();
         let count = base.coordinates.len();

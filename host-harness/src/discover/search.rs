@@ -122,7 +122,8 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         candidates::ALL.iter().flat_map(|candidate| candidate(&scene)).collect();
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let lines = &scene.lines;
-    let least = threshold(gains.iter().chain(lines.iter().map(|(_, gain)| gain)));
+    let by_chance = threshold(gains.iter().chain(lines.iter().map(|(_, gain)| gain)));
+    let least = by_chance.max(LEAST_GAIN);
     if round == 1 {
         let strongest = lines.first().map_or(0.0, |(_, gain)| gain.real);
         // Lines only count where they rival the best hypothesis: every effect has some order.
@@ -130,7 +131,9 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         search.orders = lines
             .iter()
             .filter(|_| strongest > 0.3 * best)
-            .filter(|(_, gain)| gain.real > least && gain.real > 0.02 * strongest)
+            .filter(|(_, gain)| {
+                gain.real > by_chance.min(LEAST_GAIN) && gain.real > 0.02 * strongest
+            })
             .map(|(order, _)| *order)
             .take(8)
             .collect();
@@ -213,7 +216,7 @@ fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
     let count = best.len() as f64;
     let mean = best.iter().sum::<f64>() / count;
     let spread = (best.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / count).sqrt();
-    (mean + 6.0 * spread).max(LEAST_GAIN)
+    mean + 6.0 * spread
 }
 
 /// Drops effects, the first added first, that the others have made needless.

@@ -74,9 +74,7 @@ pub fn locate(
     }
     let lines = explained_by_lines(problem, &series, orders);
     let (explained, varies_with, shape) = match best {
-        Some((share, name, shape)) if orders.is_empty() => {
-            (share, name.to_owned(), shape)
-        }
+        Some((share, name, shape)) if orders.is_empty() => (share, name.to_owned(), shape),
         Some((_, _, shape)) => {
             let turn = coordinates.iter().find(|(name, _)| *name == "motor_angle_rad (one turn)");
             let own = turn.and_then(|(name, v)| binned(name, v, &series, &series_after));
@@ -141,11 +139,7 @@ fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static s
 }
 
 /// What a push may follow, by sample.
-fn coordinates(
-    problem: &Problem<'_>,
-    model: &Model,
-    run: &Run,
-) -> Vec<(&'static str, Vec<f64>)> {
+fn coordinates(problem: &Problem<'_>, model: &Model, run: &Run) -> Vec<(&'static str, Vec<f64>)> {
     let layout = Layout { stages: model.stages.len() };
     let shaft = output_shaft(model);
     let last = layout.speed(layout.stages);
@@ -161,7 +155,10 @@ fn coordinates(
         Drive::Current => problem.record.drive_values[k],
     };
     let mut all = vec![
-        ("motor_angle_rad (one turn)", series(&|_, x| x[Layout::ANGLE].rem_euclid(std::f64::consts::TAU))),
+        (
+            "motor_angle_rad (one turn)",
+            series(&|_, x| x[Layout::ANGLE].rem_euclid(std::f64::consts::TAU)),
+        ),
         ("motor_angle_rad (over the travel)", series(&|_, x| x[Layout::ANGLE])),
         ("motor_speed_rad_per_s", series(&|_, x| x[layout.speed(0)])),
         ("i_a", series(&|k, x| current(k, x))),
@@ -178,12 +175,7 @@ fn coordinates(
 }
 
 /// Means of a series by bins of a coordinate, and the share of its variance that they explain.
-fn binned(
-    name: &str,
-    coordinate: &[f64],
-    series: &[f64],
-    after: &[f64],
-) -> Option<(f64, Shape)> {
+fn binned(name: &str, coordinate: &[f64], series: &[f64], after: &[f64]) -> Option<(f64, Shape)> {
     let finite = coordinate.iter().copied().filter(|c| c.is_finite());
     let (low, high) =
         finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));

@@ -175,8 +175,7 @@ impl<'a> Observer<'a> {
                 let row = &mut scratch.row;
                 self.sensitivity(channel, walks, row);
                 for a in 0..order {
-                    scratch.column[a] =
-                        (0..order).map(|b| p[a * order + b] * row[b]).sum::<f64>();
+                    scratch.column[a] = (0..order).map(|b| p[a * order + b] * row[b]).sum::<f64>();
                 }
                 let sensor = noise.sensors[c];
                 let variance = dot(row, &scratch.column) + sensor * sensor;
@@ -268,7 +267,8 @@ impl<'a> Observer<'a> {
             Channel::Current => self.plant.measured_current(x[Layout::CURRENT]),
             Channel::Motor => x[Layout::ANGLE],
             Channel::Output => {
-                let wound: f64 = (0..self.layout.stages).map(|k| x[self.layout.deflection(k)]).sum();
+                let wound: f64 =
+                    (0..self.layout.stages).map(|k| x[self.layout.deflection(k)]).sum();
                 (x[Layout::ANGLE] - wound) * self.shaft
             }
         }
@@ -423,7 +423,8 @@ impl<'a> Observer<'a> {
         }
         for i in 0..order {
             for j in 0..=i {
-                let mut sum = dot(&half[i * order..(i + 1) * order], &f[j * order..(j + 1) * order]);
+                let mut sum =
+                    dot(&half[i * order..(i + 1) * order], &f[j * order..(j + 1) * order]);
                 if i < n && j < n {
                     sum += noise.drive * noise.drive * by_drive[i] * by_drive[j]
                         + noise.torque * noise.torque * kick[i] * kick[j];

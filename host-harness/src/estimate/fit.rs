@@ -140,8 +140,7 @@ impl Problem<'_> {
                 };
                 let slope = match here {
                     Some(here) => side(step).map(|up| (up - here) / step),
-                    None => side(step)
-                        .and_then(|up| Ok((up - side(-step)?) / (2.0 * step))),
+                    None => side(step).and_then(|up| Ok((up - side(-step)?) / (2.0 * step))),
                 };
                 slope.unwrap_or_else(|_| DVector::zeros(self.record.len() * CHANNELS))
             })

@@ -5,8 +5,8 @@
 //! voltage, a friction torque that scatters by some 3 % of its breakaway level. The expectation
 //! keeps a missing effect from being declared noise.
 
-use super::fit::Problem;
 use super::filter::{Linearisation, Noise};
+use super::fit::Problem;
 use super::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::BuildError;
@@ -75,29 +75,37 @@ pub fn refine(
     };
     let mut noise = *start;
     let mut best = cost(&noise)?;
-    let mut stride = 0.7;
-    for _ in 0..3 {
+    let mut stride = 0.8;
+    for _ in 0..8 {
+        let mut farthest = 0.0_f64;
         for knob in &knobs {
             let here = get(&noise, knob.which).ln();
-            let (mut up, mut down) = (noise, noise);
-            set(&mut up, knob.which, (here + stride).exp());
-            set(&mut down, knob.which, (here - stride).exp());
-            let (high, low) = (cost(&up)?, cost(&down)?);
+            let moved = |shift: f64| {
+                let mut moved = noise;
+                set(&mut moved, knob.which, (here + shift).exp());
+                moved
+            };
+            let (high, low) = (cost(&moved(stride))?, cost(&moved(-stride))?);
             // The parabola through three points, kept within twice the stride.
             let bend = high + low - 2.0 * best;
-            let mut shift = if high < low { stride } else { -stride };
+            let mut shift = if high < low { 2.0 * stride } else { -2.0 * stride };
             if bend > 0.0 {
                 shift = (0.5 * stride * (low - high) / bend).clamp(-2.0 * stride, 2.0 * stride);
             }
-            let mut moved = noise;
-            set(&mut moved, knob.which, (here + shift).exp());
-            let mut trials = vec![(cost(&moved)?, moved), (high, up), (low, down)];
-            trials.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if trials[0].0 < best {
-                (best, noise) = trials[0];
+            let trials = [(cost(&moved(shift))?, shift), (high, stride), (low, -stride)];
+            let chosen = trials.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((lower, shift)) = chosen.filter(|(trial, _)| *trial < best) {
+                noise = moved(*shift);
+                farthest = farthest.max(shift.abs());
+                best = *lower;
             }
         }
-        stride *= 0.5;
+        if farthest < 0.1 {
+            break;
+        }
+        if farthest < stride {
+            stride *= 0.5;
+        }
     }
     Ok(noise)
 }

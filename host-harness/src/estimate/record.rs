@@ -60,7 +60,9 @@ pub enum JoinError {
     #[error("there is no log")]
     NoLog,
     /// One imposes a voltage, another a current.
-    #[error("log number {0} imposes another quantity than the first: u_v in all of them, or in none")]
+    #[error(
+        "log number {0} imposes another quantity than the first: u_v in all of them, or in none"
+    )]
     Mixed(usize),
 }
 
@@ -155,9 +157,10 @@ impl Record {
 
     /// Smallest change that a channel shows.
     fn digit(&self, channel: Channel) -> f64 {
-        let steps = self.measured.windows(2).map(|pair| {
-            (pair[1][channel as usize] - pair[0][channel as usize]).abs()
-        });
+        let steps = self
+            .measured
+            .windows(2)
+            .map(|pair| (pair[1][channel as usize] - pair[0][channel as usize]).abs());
         let smallest = steps.filter(|step| *step > 1e-12).fold(f64::INFINITY, f64::min);
         if smallest.is_finite() { smallest } else { 1e-6 }
     }

@@ -24,10 +24,12 @@ const DISTRUST: f64 = 3.0;
 pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
     let coordinates = coordinates(origin, problem);
     let expected = noise::expected(origin, problem.record);
+    // Whatever the model misses is noise at first, or the parameters would bend to explain it.
+    let apparent = noise::refine(problem, origin, &expected, &expected)?;
     let wide = Noise {
-        drive: DISTRUST * expected.drive,
-        torque: DISTRUST * expected.torque,
-        ..expected
+        drive: apparent.drive.max(DISTRUST * expected.drive),
+        torque: apparent.torque.max(DISTRUST * expected.torque),
+        ..apparent
     };
     let mut best = problem.fit(origin, origin, &coordinates, &wide, 3)?;
     for stage in (0..origin.stages.len()).rev() {
@@ -42,7 +44,7 @@ pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
             }
         }
     }
-    polish(problem, origin, &best.model, &coordinates, &expected, &expected)
+    polish(problem, origin, &best.model, &coordinates, &expected, &wide)
 }
 
 /// Refits from a model that is near already, and the noise with it.

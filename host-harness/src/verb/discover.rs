@@ -1,8 +1,14 @@
 //! `joint discover`: what a model misses, found, named and added.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use super::{Common, Failure, Outcome};
+use super::{Common, Failure, Outcome, read_log, read_model};
+use crate::discover::findings::{Answer, Findings};
+use crate::discover::{DiscoverError, STEPS, discover};
+use crate::log::Need;
+use crate::output::OutDir;
+use crate::report;
 
 /// Find, name and add what a model misses in logs of the joint
 ///
@@ -26,6 +32,94 @@ pub struct Args {
 ///
 /// # Errors
 /// Bad input, or a result that may not be overwritten.
-pub fn run(_args: &Args, _common: &Common) -> Result<Outcome, Failure> {
-    Err(Failure::check("not in this build"))
+pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let model = read_model(&args.model)?;
+    let logs: Vec<_> =
+        args.log.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
+    let out = OutDir::new(&args.out, common.force)?;
+    let bar = common.progress(STEPS, "discover");
+    let findings = discover(&model, &logs, &bar).map_err(failure)?;
+    bar.finish_and_clear();
+    write(&out, &findings)?;
+    let json = serde_json::to_value(&findings.verdict)
+        .map_err(|error| Failure::check(error.to_string()))?;
+    let text =
+        format!("{}\nreport: {}", summary(&findings), out.path().join("report.html").display());
+    Ok(Outcome::done(json, text))
+}
+
+/// What went wrong, as a verb's failure.
+pub(super) fn failure(error: DiscoverError) -> Failure {
+    Failure::input(error.to_string())
+}
+
+/// Writes the four files of a discovery.
+pub(super) fn write(out: &OutDir, findings: &Findings) -> Result<(), Failure> {
+    let verdict = serde_json::to_string_pretty(&findings.verdict)
+        .map_err(|error| Failure::check(error.to_string()))?;
+    out.write("model.toml", findings.improved.to_toml())?;
+    out.write("residuals.csv", report::residuals_csv(findings))?;
+    out.write("report.html", report::html(findings))?;
+    out.write("verdict.json", verdict)?;
+    Ok(())
+}
+
+/// The answer for a terminal.
+pub(super) fn summary(findings: &Findings) -> String {
+    let verdict = &findings.verdict;
+    let mut text = match verdict.verdict {
+        Answer::Effect => "effect: the model misses\n".to_owned(),
+        Answer::Adequate => "adequate: nothing is missing that these logs show\n".to_owned(),
+        Answer::Unknown if verdict.effects.is_empty() => {
+            "unknown: something is missing that no listed effect explains\n".to_owned()
+        }
+        Answer::Unknown => {
+            "unknown: what follows was found, but something else is missing as well\n".to_owned()
+        }
+    };
+    for effect in &verdict.effects {
+        let values: Vec<String> = effect
+            .parameters
+            .iter()
+            .map(|(key, value)| match effect.standard_errors.get(key) {
+                Some(sigma) => format!("{key} {value:.4e} ± {sigma:.1e}"),
+                None => format!("{key} {value}"),
+            })
+            .collect();
+        let _ = writeln!(
+            text,
+            "  {} ({}), confidence {:.2}: {}",
+            effect.kind,
+            effect.location,
+            effect.confidence,
+            values.join(", ")
+        );
+    }
+    let place = &verdict.whereabouts;
+    if verdict.verdict != Answer::Adequate {
+        let orders: Vec<String> = place.orders.iter().map(|order| format!("{order}")).collect();
+        let orders = if orders.is_empty() {
+            String::new()
+        } else {
+            format!(", orders {}", orders.join(" "))
+        };
+        let _ = writeln!(
+            text,
+            "where: {}, along {}{orders} ({:.0} % explained)",
+            place.equation,
+            place.varies_with,
+            100.0 * place.explained
+        );
+    }
+    for reason in &verdict.reasons {
+        let _ = writeln!(text, "  - {reason}");
+    }
+    let gap = &verdict.gap;
+    let _ = writeln!(
+        text,
+        "gap: {:.3} before, {:.3} after, {:.3} floor ({}), {:.1} s",
+        gap.before, gap.after, gap.floor, gap.unit, verdict.seconds
+    );
+    let _ = write!(text, "next: {}", verdict.next_experiment);
+    text
 }

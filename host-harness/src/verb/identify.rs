@@ -1,8 +1,22 @@
 //! `joint identify`: the parameters of a model, refitted to a log.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use super::{Common, Failure, Outcome};
+use serde_json::{Map, json};
+
+use super::{Common, Failure, Outcome, read_log, read_model};
+use crate::estimate::coordinates::Coordinate;
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::record::Record;
+use crate::estimate::refit;
+use crate::log::Need;
+use crate::model::Model;
+use crate::output::OutDir;
+use crate::plant::micro_steps;
+
+/// A parameter whose uncertainty shrank by less than this is not determined by the log.
+const DETERMINED: f64 = 0.7;
 
 /// Refit a model to a log, with standard errors and what the log cannot determine
 ///
@@ -26,6 +40,90 @@ pub struct Args {
 ///
 /// # Errors
 /// Bad input, or a result that may not be overwritten.
-pub fn run(_args: &Args, _common: &Common) -> Result<Outcome, Failure> {
-    Err(Failure::check("not in this build"))
+pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let model = read_model(&args.model)?;
+    let log = read_log(&args.log, Need::Drive)?;
+    let out = OutDir::new(&args.out, common.force)?;
+    let bar = common.progress(0, "refitting");
+    let coarse = Record::new(&log, None);
+    let record = coarse.refined(micro_steps(&model, coarse.grid.interval(0)).max(2));
+    let mask = vec![1.0; record.len()];
+    let problem = Problem { record: &record, mask: &mask };
+    let fit = refit::refit(&problem, &model).map_err(|error| Failure::input(error.to_string()))?;
+    bar.finish_and_clear();
+    let json = result(&model, &fit);
+    let pretty =
+        serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
+    out.write("model.toml", fit.model.to_toml())?;
+    out.write("identify.json", pretty)?;
+    let text = format!("{}model: {}", table(&model, &fit), out.path().join("model.toml").display());
+    Ok(Outcome::done(json, text))
+}
+
+struct Row {
+    key: String,
+    nominal: f64,
+    value: f64,
+    sigma: f64,
+    determined: bool,
+}
+
+fn rows(nominal: &Model, fit: &Fit) -> Vec<Row> {
+    let parameters = fit.coordinates.iter().enumerate();
+    parameters
+        .filter_map(|(k, coordinate)| {
+            let Coordinate::Parameter(quantity) = coordinate else { return None };
+            let value = quantity.get(&fit.model);
+            let sigma = fit.covariance[(k, k)].sqrt();
+            Some(Row {
+                key: quantity.key(),
+                nominal: quantity.get(nominal),
+                value,
+                sigma: if quantity.is_relative() { sigma * value.abs() } else { sigma },
+                determined: sigma < DETERMINED * quantity.prior_sigma(),
+            })
+        })
+        .collect()
+}
+
+fn result(nominal: &Model, fit: &Fit) -> serde_json::Value {
+    let rows = rows(nominal, fit);
+    let parameters: Map<_, _> = rows
+        .iter()
+        .map(|row| {
+            let value = json!({
+                "nominal": row.nominal,
+                "value": row.value,
+                "standard_error": row.sigma,
+                "determined": row.determined,
+            });
+            (row.key.clone(), value)
+        })
+        .collect();
+    let open: Vec<&str> =
+        rows.iter().filter(|row| !row.determined).map(|row| row.key.as_str()).collect();
+    json!({
+        "parameters": parameters,
+        "not_determined": open,
+        "noise": {
+            "drive": fit.noise.drive,
+            "rotor_torque_nm": fit.noise.torque,
+            "sensors": fit.noise.sensors,
+        },
+        "deviance": fit.deviance,
+    })
+}
+
+fn table(nominal: &Model, fit: &Fit) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "{:44} {:>12} {:>12} {:>10}", "parameter", "nominal", "refitted", "±");
+    for row in rows(nominal, fit) {
+        let note = if row.determined { "" } else { "  not determined by this log" };
+        let _ = writeln!(
+            text,
+            "{:44} {:>12.5e} {:>12.5e} {:>10.1e}{note}",
+            row.key, row.nominal, row.value, row.sigma
+        );
+    }
+    text
 }

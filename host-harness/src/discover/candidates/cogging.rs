@@ -1,7 +1,6 @@
 //! Cogging: lines in the rotor's torque at whole orders of its angle, the same at every current
 //! and speed. Every order that the record resolves is tried; the best few become hypotheses, each
-//! with its double. Where the rotor turns only a few times, as on a linear axis, orders need not be
-//! whole.
+//! with its double. Where less than a turn is seen, as on a linear axis, orders need not be whole.
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
@@ -14,7 +13,9 @@ use crate::estimate::record::Channel;
 
 /// Highest order tried on a rotor that turns.
 const HIGHEST: u32 = 144;
-/// Orders tried on an axis that turns less than three times.
+/// Least turns at which orders are whole: a rotor, not a linear axis.
+const A_TURN: f64 = 0.8;
+/// Orders tried on an axis that turns less.
 const TRIED: u32 = 400;
 /// Orders that become hypotheses.
 const KEPT: usize = 2;
@@ -26,15 +27,15 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
 /// What every order that the model has no cogging of would explain: the peaks, strongest first.
 pub(super) fn spectrum(scene: &Scene<'_>, test: &ScoreTest<'_>) -> Vec<(f64, Gain)> {
     let turned = turned(scene);
-    let resolved = 0.5 / turned.max(1e-9);
-    let orders: Vec<f64> = if turned < 3.0 {
+    let resolved = if turned < A_TURN { 0.5 / turned.max(1e-9) } else { 0.5 };
+    let orders: Vec<f64> = if turned < A_TURN {
         (4..=TRIED).map(|k| f64::from(k) * resolved).collect()
     } else {
         (1..=HIGHEST).map(f64::from).collect()
     };
     let gains: Vec<Gain> = orders
         .par_iter()
-        .map(|order| match taken(scene, *order, resolved) {
+        .map(|order| match taken(scene, *order, resolved) || order * turned < 2.0 {
             true => Gain::default(),
             false => test.gain(&hypothesis(scene, *order, false)),
         })

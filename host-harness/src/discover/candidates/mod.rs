@@ -64,12 +64,17 @@ impl<'a> Scene<'a> {
     pub fn largest_current(&self) -> f64 {
         let imposed = self.record.drive == joint_core::joint::Drive::Current;
         let measured = self.record.measured.iter().map(|row| row[Channel::Current as usize]);
-        let largest = |most: f64, value: f64| if value.is_finite() { most.max(value.abs()) } else { most };
+        let largest =
+            |most: f64, value: f64| if value.is_finite() { most.max(value.abs()) } else { most };
         if imposed {
             return self.record.drive_values.iter().copied().fold(0.0, largest);
         }
         let seen = measured.fold(0.0, largest);
-        if seen > 0.0 { seen } else { self.largest_drive() / (2.0 * self.model.motor.phase_resistance_ohm) }
+        if seen > 0.0 {
+            seen
+        } else {
+            self.largest_drive() / (2.0 * self.model.motor.phase_resistance_ohm)
+        }
     }
 
     /// Largest imposed voltage or current.

@@ -1,0 +1,148 @@
+//! How often discovery is right, over logs whose truth is known.
+
+mod summary;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::discover::findings::{Answer, Verdict};
+
+pub use summary::{Summary, table};
+
+/// One effect of a case's truth.
+#[derive(Clone, Debug, Deserialize)]
+pub struct TrueEffect {
+    /// Its kind.
+    pub kind: String,
+    /// Its place.
+    pub location: String,
+    /// Its values; those that are numbers are compared.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, serde_json::Value>,
+}
+
+/// One case of `truth.json`.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Case {
+    /// Its folder.
+    pub case: String,
+    /// The right answer: effect, adequate, unknown, or unscored.
+    pub verdict: String,
+    /// What was hidden.
+    #[serde(default)]
+    pub effects: Vec<TrueEffect>,
+}
+
+/// One row of `score.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// The case.
+    pub case: String,
+    /// What was hidden, by kind and place; the verdict where nothing has a name.
+    pub truth: String,
+    /// The answer given.
+    pub verdict: String,
+    /// The first name given.
+    pub named: Option<String>,
+    /// Its place.
+    pub location: Option<String>,
+    /// How sure it was.
+    pub confidence: Option<f64>,
+    /// `1 − √((after² − floor²)/(before² − floor²))`.
+    pub gap_closed: Option<f64>,
+    /// Relative error of the first name's main parameter.
+    pub parameter_error: Option<f64>,
+    /// Wall time, s.
+    pub seconds: f64,
+    /// Whether the answer is right: the first name and its place, or adequate, or unknown.
+    pub right: bool,
+}
+
+/// The cases of a set that are scored: those with one of these kinds only where `kinds` is not
+/// empty, and those in which nothing has a name.
+///
+/// # Errors
+/// The set has no readable `truth.json`.
+pub fn cases(set: &Path, kinds: &[String]) -> Result<Vec<Case>, String> {
+    let path = set.join("truth.json");
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| format!("{}: {error}; a set has a truth.json", path.display()))?;
+    let all: Vec<Case> =
+        serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+    let listed = |case: &Case| {
+        kinds.is_empty()
+            || case.verdict != "effect"
+            || case.effects.iter().all(|effect| kinds.contains(&effect.kind))
+    };
+    Ok(all.into_iter().filter(|case| case.verdict != "unscored" && listed(case)).collect())
+}
+
+/// A case's model and log.
+pub fn files(set: &Path, case: &Case) -> (PathBuf, Vec<PathBuf>) {
+    let folder = set.join(&case.case);
+    let plain = folder.join("log.csv");
+    let log = if plain.exists() { plain } else { folder.join("log.csv.gz") };
+    (folder.join("nominal.toml"), vec![log])
+}
+
+/// Scores one verdict.
+pub fn row(case: &Case, verdict: &Verdict) -> Row {
+    let first = verdict.effects.first();
+    let answer = match verdict.verdict {
+        Answer::Effect => "effect",
+        Answer::Adequate => "adequate",
+        Answer::Unknown => "unknown",
+    };
+    let names: Vec<String> =
+        case.effects.iter().map(|effect| format!("{} {}", effect.kind, effect.location)).collect();
+    let truth = case.effects.first().filter(|_| case.verdict == "effect");
+    let named_right = truth
+        .zip(first)
+        .is_some_and(|(truth, named)| truth.kind == named.kind && truth.location == named.location);
+    let right = match case.verdict.as_str() {
+        "effect" => {
+            let any = case.effects.iter().any(|truth| {
+                first.is_some_and(|n| n.kind == truth.kind && n.location == truth.location)
+            });
+            answer == "effect" && any
+        }
+        other => answer == other,
+    };
+    Row {
+        case: case.case.clone(),
+        truth: if case.verdict == "effect" { names.join(" + ") } else { case.verdict.clone() },
+        verdict: answer.to_owned(),
+        named: first.map(|effect| effect.kind.clone()),
+        location: first.map(|effect| effect.location.clone()),
+        confidence: first.map(|effect| effect.confidence),
+        gap_closed: (case.verdict == "effect").then(|| gap_closed(verdict)).flatten(),
+        parameter_error: truth
+            .zip(first)
+            .filter(|_| named_right)
+            .and_then(|(truth, named)| parameter_error(truth, &named.parameters)),
+        seconds: verdict.seconds,
+        right,
+    }
+}
+
+fn gap_closed(verdict: &Verdict) -> Option<f64> {
+    let gap = &verdict.gap;
+    let before = gap.before.powi(2) - gap.floor.powi(2);
+    let after = (gap.after.powi(2) - gap.floor.powi(2)).max(0.0);
+    (before > 0.0).then(|| 1.0 - (after / before).sqrt())
+}
+
+/// Relative error of an effect's main parameter: the first that is neither an order nor a phase.
+fn parameter_error(truth: &TrueEffect, found: &BTreeMap<String, f64>) -> Option<f64> {
+    let kind = joint_core::effect::Kind::from_name(&truth.kind)?;
+    let main = kind
+        .spec()
+        .parameters
+        .iter()
+        .find(|spec| spec.key != "order" && !spec.key.contains("phase"))?;
+    let wanted = truth.parameters.get(main.key)?.as_f64()?;
+    let got = found.get(main.key)?;
+    (wanted != 0.0).then(|| ((got - wanted) / wanted).abs())
+}

@@ -1,0 +1,100 @@
+//! Discovery on logs made by the reference from a joint whose truth is known.
+
+use host_harness::demo::{actuator, riddle};
+use host_harness::discover::discover;
+use host_harness::discover::findings::{Answer, Findings};
+use host_harness::estimate::fit::Problem;
+use host_harness::estimate::parameters::Quantity;
+use host_harness::estimate::record::Record;
+use host_harness::estimate::refit::refit;
+use host_harness::log::Log;
+use host_harness::model::Model;
+use host_harness::synthetic::{Experiment, perturbed, record};
+use indicatif::ProgressBar;
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+
+fn experiment() -> Experiment {
+    Experiment { duration_s: 1.2, stribeck_exponent: 1.8, ..Experiment::default() }
+}
+
+fn found(nominal: &Model, log: Log) -> Findings {
+    discover(nominal, &[log], &ProgressBar::hidden()).unwrap()
+}
+
+#[test]
+fn nothing_hidden_is_called_adequate() {
+    let truth = perturbed(&actuator(), 11);
+    let log = record(&truth, &experiment(), 12).unwrap();
+    let findings = found(&perturbed(&truth, 13), log);
+    let verdict = &findings.verdict;
+    assert_eq!(verdict.verdict, Answer::Adequate, "{:?}", verdict.reasons);
+    assert!(verdict.effects.is_empty());
+    assert!((verdict.gap.before / verdict.gap.floor - 1.0).abs() < 0.05);
+}
+
+#[test]
+fn hidden_cogging_is_named_measured_and_closes_the_gap() {
+    let hidden = EffectParameters::new(Kind::Cogging, Location::Motor)
+        .with("order", 42.0)
+        .with("amplitude_nm", 0.012)
+        .with("phase_rad", 0.8);
+    let mut truth = perturbed(&actuator(), 21);
+    truth.effects.push(hidden);
+    let log = record(&truth, &experiment(), 22).unwrap();
+    let findings = found(&perturbed(&truth, 23), log);
+    let verdict = &findings.verdict;
+    assert_eq!(verdict.verdict, Answer::Effect, "{:?}", verdict.reasons);
+    let named = &verdict.effects[0];
+    assert_eq!((named.kind.as_str(), named.location.as_str()), ("cogging", "motor"));
+    assert_eq!(named.parameters["order"], 42.0);
+    assert!((named.parameters["amplitude_nm"] / 0.012 - 1.0).abs() < 0.05);
+    assert_eq!(verdict.whereabouts.orders[0], 42.0);
+    let gap = &verdict.gap;
+    assert!(gap.before > 1.5 && gap.after < 1.05 * gap.floor, "{gap:?}");
+    let again = Model::parse(&findings.improved.to_toml(), "improved.toml").unwrap();
+    assert_eq!(again, findings.improved);
+}
+
+#[test]
+fn an_effect_of_no_list_is_called_unknown() {
+    // A load that steps on and off, which the log does not show, is no law of the joint.
+    let truth = perturbed(&actuator(), 31);
+    let samples = (1.2 / truth.sensor.sample_time_s) as usize;
+    let load_nm = (0..samples).map(|k| if (k / 400) % 2 == 0 { 0.0 } else { 0.6 }).collect();
+    let log = record(&truth, &Experiment { load_nm, ..experiment() }, 32).unwrap();
+    let findings = found(&perturbed(&truth, 33), log);
+    assert_eq!(findings.verdict.verdict, Answer::Unknown, "{:?}", findings.verdict);
+    assert_eq!(findings.verdict.whereabouts.equation, "output torque");
+}
+
+#[test]
+fn a_refit_recovers_what_the_log_determines() {
+    let truth = perturbed(&actuator(), 41);
+    let nominal = perturbed(&truth, 42);
+    let log = record(&truth, &experiment(), 43).unwrap();
+    let record = Record::new(&log, Some(2));
+    let mask = vec![1.0; record.len()];
+    let fit = refit(&Problem { record: &record, mask: &mask }, &nominal).unwrap();
+    for quantity in [
+        Quantity::Resistance,
+        Quantity::TorqueConstant,
+        Quantity::Inertia(0),
+        Quantity::Inertia(1),
+        Quantity::Stiffness(0),
+        Quantity::Viscous(1),
+    ] {
+        let before = quantity.distance(&truth, &nominal).abs();
+        let after = quantity.distance(&truth, &fit.model).abs();
+        assert!(after < 0.01 && after < before, "{}: {before} to {after}", quantity.key());
+    }
+}
+
+#[test]
+fn every_seed_of_the_demonstration_hides_one_effect_of_a_believable_size() {
+    for seed in 0..4 {
+        let riddle = riddle(seed).unwrap();
+        riddle.hidden.validate(1).unwrap();
+        assert!(riddle.log.time_s.len() > 5000);
+    }
+}
