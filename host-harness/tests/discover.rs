@@ -52,7 +52,7 @@ fn hidden_cogging_is_named_measured_and_closes_the_gap() {
     assert_eq!(verdict.whereabouts.orders[0], 42.0);
     let gap = &verdict.gap;
     assert!(gap.before > 1.5 && gap.after < 1.05 * gap.floor, "{gap:?}");
-    let again = Model::parse(&findings.improved.to_toml(), "improved.toml").unwrap();
+    let again = Model::parse(&findings.improved.to_toml(), "improved.toml".as_ref()).unwrap();
     assert_eq!(again, findings.improved);
 }
 

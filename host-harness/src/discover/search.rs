@@ -17,7 +17,8 @@ use super::score_test::{Gain, ScoreTest};
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::noise;
-use crate::estimate::refit::{self, cost};
+use crate::estimate::parameters::Quantity;
+use crate::estimate::refit::{self, SPRING_TRIAL, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -28,6 +29,9 @@ const TWINS: u64 = 6;
 /// Least that an effect must explain, in units of minus twice the log-likelihood: less is what a
 /// friction law slightly other than ours leaves in a log in which nothing is missing.
 pub const LEAST_GAIN: f64 = 60.0;
+/// Times the expected noise from which on a refitted nominal is lost: no linear step from there
+/// can be believed.
+const LOST: f64 = 10.0;
 /// Hypotheses that get a short refit, and how many of these a full one.
 const SHORT: usize = 5;
 const FULL: usize = 3;
@@ -102,12 +106,25 @@ pub fn search(
     for round in 1..=MOST_EFFECTS {
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
-        if !add_one(problem, &mut search, round)? {
+        if add_one(problem, &mut search, round)? {
+            continue;
+        }
+        let felt = search.after.fit.noise.torque / search.expected.torque;
+        if !(round == 1 && felt > LOST && from_afar(problem, nominal, &mut search)?) {
             break;
         }
     }
     bar.set_message("trying to do without");
     drop_needless(problem, &mut search)?;
+    if !search.rounds.is_empty() && !nominal.stages.is_empty() {
+        // What was missing may have held the springs in a wrong valley.
+        bar.set_message("settling the springs");
+        let Stage { fit, origin } = &search.after;
+        let settled = refit::resettle(&problem, origin, &fit.model, &fit.coordinates)?;
+        if cost(&settled) < cost(fit) {
+            search.after = Stage { fit: settled, origin: origin.clone() };
+        }
+    }
     bar.inc(1);
     Ok(search)
 }
@@ -198,6 +215,82 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     }
     search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals: rivals.to_vec() });
     search.after = full.swap_remove(0).1;
+    Ok(true)
+}
+
+/// Tries hypotheses of finite size from the nominal itself, with a filter that trusts the model
+/// little: a gap can bend a refit so far that its own score is lost.
+fn from_afar(
+    problem: Problem<'_>,
+    nominal: &Model,
+    search: &mut Search,
+) -> Result<bool, BuildError> {
+    let base = search.after.clone();
+    let Some(test) = ScoreTest::new(problem, &base.origin, &base.fit, 0) else { return Ok(false) };
+    let scene = Scene::new(nominal, problem.record, &test);
+    let hypotheses: Vec<Hypothesis> = candidates::ALL
+        .iter()
+        .flat_map(|candidate| candidate(&scene))
+        .filter(|hypothesis| !hypothesis.starts_at_nothing())
+        .collect();
+    let wide = Noise {
+        drive: 3.0 * search.expected.drive,
+        torque: LOST * search.expected.torque,
+        ..search.expected
+    };
+    let mut starts: Vec<(f64, &Hypothesis, Model)> = hypotheses
+        .par_iter()
+        .flat_map_iter(|hypothesis| {
+            let spring = match hypothesis.start.location {
+                Location::Stage(k) => Some(Quantity::Stiffness(usize::from(k) - 1)),
+                _ => None,
+            };
+            [-SPRING_TRIAL, 0.0, SPRING_TRIAL].map(|trial| {
+                let mut start = hypothesis.added(nominal);
+                if let Some(spring) = spring {
+                    spring.shift(&mut start, trial);
+                }
+                (hypothesis, start)
+            })
+        })
+        .filter_map(|(hypothesis, start)| {
+            let (_, _, deviance) = problem.design(&start, &wide).ok()?;
+            Some((deviance, hypothesis, start))
+        })
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: Option<((Kind, Location), Stage)> = None;
+    let mut tried = Vec::new();
+    for (_, hypothesis, start) in &starts {
+        if tried.contains(&hypothesis.name()) || tried.len() > FULL {
+            continue;
+        }
+        tried.push(hypothesis.name());
+        let mut origin = nominal.clone();
+        origin.effects.push(hypothesis.start);
+        let mut coordinates = base.fit.coordinates.clone();
+        coordinates.extend(hypothesis.coordinates(nominal.effects.len()));
+        let fit = problem.fit(&origin, start, &coordinates, &wide, 6)?;
+        let expected = &search.expected;
+        let fit = refit::polish(&problem, &origin, &fit.model, &coordinates, expected, &fit.noise)?;
+        if best.as_ref().is_none_or(|(_, stage)| cost(&fit) < cost(&stage.fit)) {
+            best = Some((hypothesis.name(), Stage { fit, origin }));
+        }
+    }
+    let Some((name, stage)) = best else { return Ok(false) };
+    let gain = cost(&base.fit) - cost(&stage.fit);
+    let found = stage.fit.noise.torque < LOST * search.expected.torque;
+    if gain.is_nan() || gain < LEAST_GAIN || !found {
+        return Ok(false);
+    }
+    search.scores.push(ScoreRow {
+        round: 1,
+        name: format!("{}, from afar", title(name)),
+        score: 0.0,
+        refitted: Some(gain),
+    });
+    search.rounds.push(Round { name, gain, rivals: Vec::new() });
+    search.after = stage;
     Ok(true)
 }
 

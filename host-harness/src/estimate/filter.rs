@@ -185,10 +185,10 @@ impl<'a> Observer<'a> {
                 run.deviance += error * error + variance.ln();
                 gains.weight[k][c] = weight;
                 let slot = (k * CHANNELS + c) * order;
-                for a in 0..order {
-                    let gain = scratch.column[a] * weight;
-                    gains.gain[slot + a] = gain;
-                    x[a] += gain * error;
+                let slots = gains.gain[slot..slot + order].iter_mut();
+                for ((slot, x), column) in slots.zip(&mut x).zip(&scratch.column) {
+                    *slot = column * weight;
+                    *x += *slot * error;
                 }
                 for a in 0..order {
                     let gain = scratch.column[a] * weight * weight;
@@ -211,7 +211,7 @@ impl<'a> Observer<'a> {
         let order = gains.order;
         let mut x = Vec::new();
         let mut innovations = vec![[0.0; CHANNELS]; self.record.len()];
-        for k in 0..self.record.len() {
+        for (k, row) in innovations.iter_mut().enumerate() {
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
             }
@@ -223,7 +223,7 @@ impl<'a> Observer<'a> {
                 }
                 let shown = self.shown(channel, &x, &gains.walks);
                 let error = (self.record.measured[k][c] - shown) * weight;
-                innovations[k][c] = error;
+                row[c] = error;
                 let slot = (k * CHANNELS + c) * order;
                 for (value, gain) in x.iter_mut().zip(&gains.gain[slot..slot + order]) {
                     *value += gain * error;

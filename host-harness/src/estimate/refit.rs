@@ -13,7 +13,7 @@ use crate::model::Model;
 use crate::plant::BuildError;
 
 /// How far a spring is tried off its nominal, in the logarithm.
-const SPRING_TRIAL: f64 = 0.2;
+pub const SPRING_TRIAL: f64 = 0.2;
 /// How much less the model is trusted while the springs are tried.
 const DISTRUST: f64 = 3.0;
 
@@ -22,29 +22,45 @@ const DISTRUST: f64 = 3.0;
 /// # Errors
 /// The model cannot be built.
 pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
-    let coordinates = coordinates(origin, problem);
+    resettle(problem, origin, origin, &coordinates(origin, problem))
+}
+
+/// Refits from a start whose springs may lie in a wrong valley.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn resettle(
+    problem: &Problem<'_>,
+    origin: &Model,
+    start: &Model,
+    coordinates: &[Coordinate],
+) -> Result<Fit, BuildError> {
     let expected = noise::expected(origin, problem.record);
     // Whatever the model misses is noise at first, or the parameters would bend to explain it.
-    let apparent = noise::refine(problem, origin, &expected, &expected)?;
+    let apparent = noise::refine(problem, start, &expected, &expected)?;
     let wide = Noise {
         drive: apparent.drive.max(DISTRUST * expected.drive),
         torque: apparent.torque.max(DISTRUST * expected.torque),
         ..apparent
     };
-    let mut best = problem.fit(origin, origin, &coordinates, &wide, 3)?;
+    let mut best = problem.fit(origin, start, coordinates, &wide, 3)?;
     for stage in (0..origin.stages.len()).rev() {
         let from = best.model.clone();
-        for trial in [-SPRING_TRIAL, SPRING_TRIAL] {
+        let spring = Quantity::Stiffness(stage);
+        let here = spring.distance(origin, &from);
+        for trial in [-SPRING_TRIAL, 0.0, SPRING_TRIAL] {
+            if (trial - here).abs() < SPRING_TRIAL / 2.0 {
+                continue;
+            }
             let mut start = from.clone();
-            let spring = Quantity::Stiffness(stage);
-            spring.shift(&mut start, trial - spring.distance(origin, &from));
-            let fit = problem.fit(origin, &start, &coordinates, &wide, 3)?;
+            spring.shift(&mut start, trial - here);
+            let fit = problem.fit(origin, &start, coordinates, &wide, 3)?;
             if cost(&fit) < cost(&best) {
                 best = fit;
             }
         }
     }
-    polish(problem, origin, &best.model, &coordinates, &expected, &wide)
+    polish(problem, origin, &best.model, coordinates, &expected, &wide)
 }
 
 /// Refits from a model that is near already, and the noise with it.
