@@ -114,7 +114,14 @@ pub fn discover(
     let (_, innovations_before, _) = problem.design(&before.model, &noise)?;
     let (_, innovations_after, _) = problem.design(&after.model, &noise)?;
     let orders = orders(&found);
-    let disagreement = locate(&problem, &before.model, &after.model, &noise, &orders)?;
+    let disagreement = locate(
+        &problem,
+        &before.model,
+        &after.model,
+        &noise,
+        &orders,
+        !found.orders.is_empty(),
+    )?;
     bar.inc(1);
 
     let judged = Fit { noise, ..after.clone() };
@@ -133,7 +140,7 @@ pub fn discover(
     });
     let names: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
     let equation = disagreement.whereabouts.equation.clone();
-    let next_experiment = advice(answer, &names, close, &record, &equation);
+    let next_experiment = advice(answer, &names, close, blind(nominal, &record), &equation);
     let reasons = reasons(&found, &record, &gap, &complaints);
     let whereabouts = match answer {
         Answer::Adequate => Whereabouts { equation: "none".into(), ..Whereabouts::default() },
@@ -190,6 +197,11 @@ fn believable(noise: &Noise, expected: &Noise) -> Noise {
         torque: noise.torque.min(2.0 * expected.torque),
         ..*noise
     }
+}
+
+/// Whether there are stages that no sensor looks behind.
+fn blind(model: &Model, record: &Record) -> bool {
+    !model.stages.is_empty() && !record.has(Channel::Output)
 }
 
 /// Which samples neither fit nor choice sees: whole blocks of every log.

@@ -4,14 +4,13 @@ use joint_core::effect::Kind;
 use joint_core::params::Location;
 
 use super::findings::Answer;
-use crate::estimate::record::{Channel, Record};
 
-/// Advice in a sentence.
+/// Advice in a sentence; `blind` where there are stages that no sensor looks behind.
 pub fn advice(
     answer: Answer,
     names: &[(Kind, Location)],
     close_rival: Option<(Kind, Location)>,
-    record: &Record,
+    blind: bool,
     equation: &str,
 ) -> String {
     if let (Some(name), Some(rival)) = (names.first(), close_rival) {
@@ -31,7 +30,7 @@ pub fn advice(
             Some((kind, _)) => format!("to confirm: {}", separating(*kind)),
             None => String::new(),
         },
-        Answer::Unknown if !record.has(Channel::Output) => format!(
+        Answer::Unknown if blind => format!(
             "the {equation} equation misses something; an encoder behind the last stage would tell \
              motor, gear and load apart"
         ),

@@ -28,7 +28,8 @@ pub struct Disagreement {
     pub shape: Shape,
 }
 
-/// Looks for where a model disagrees with a record, and how a better one does there.
+/// Looks for where a model disagrees with a record, and how a better one does there; `along_lines`
+/// says that orders of the rotor angle rival every other explanation.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -38,6 +39,7 @@ pub fn locate(
     after: &Model,
     noise: &Noise,
     orders: &[f64],
+    along_lines: bool,
 ) -> Result<Disagreement, BuildError> {
     let pushes = pushes(problem, before, noise);
     let mut along = Linearisation::default();
