@@ -114,14 +114,8 @@ pub fn discover(
     let (_, innovations_before, _) = problem.design(&before.model, &noise)?;
     let (_, innovations_after, _) = problem.design(&after.model, &noise)?;
     let orders = orders(&found);
-    let disagreement = locate(
-        &problem,
-        &before.model,
-        &after.model,
-        &noise,
-        &orders,
-        !found.orders.is_empty(),
-    )?;
+    let disagreement =
+        locate(&problem, &before.model, &after.model, &noise, &orders, !found.orders.is_empty())?;
     bar.inc(1);
 
     let judged = Fit { noise, ..after.clone() };

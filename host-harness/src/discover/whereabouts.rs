@@ -76,7 +76,7 @@ pub fn locate(
     }
     let lines = explained_by_lines(problem, &series, orders);
     let (explained, varies_with, shape) = match best {
-        Some((share, name, shape)) if orders.is_empty() => (share, name.to_owned(), shape),
+        Some((share, name, shape)) if !along_lines => (share, name.to_owned(), shape),
         Some((_, _, shape)) => {
             let turn = coordinates.iter().find(|(name, _)| *name == "motor_angle_rad (one turn)");
             let own = turn.and_then(|(name, v)| binned(name, v, &series, &series_after));

@@ -2,13 +2,23 @@
 //!
 //! The page is one file without any link, so that it can be mailed, archived and opened offline.
 
+mod answer;
 mod csv;
+mod gap;
+mod page;
+mod plot;
+mod series;
+mod tables;
+mod text;
+
+#[cfg(test)]
+mod tests;
 
 use crate::discover::findings::Findings;
 
 /// The page `report.html`.
 pub fn html(findings: &Findings) -> String {
-    format!("<!doctype html><pre>{:?}</pre>", findings.verdict.verdict)
+    page::page(findings)
 }
 
 /// The table `residuals.csv`.

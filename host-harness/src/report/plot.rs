@@ -1,178 +1,202 @@
-//! Line plots as SVG: few points, round ticks, nothing loaded from elsewhere.
+//! A plot as inline SVG: axes with ticks, bands, lines, dots and stems, and the marks by which the
+//! page's script zooms it.
+//!
+//! The lines sit in an inner drawing of their own, in its pixels; to zoom is to look at a part of
+//! that drawing. So the data stand on the page once, and the plot is whole without the script.
 
-use std::fmt::Write as _;
+use std::fmt::Write;
 
-const WIDTH: f64 = 920.0;
-const HEIGHT: f64 = 230.0;
-const LEFT: f64 = 74.0;
+use super::series::{range, thinned};
+use super::text::escape;
+
+const WIDTH: f64 = 960.0;
+const LEFT: f64 = 62.0;
 const RIGHT: f64 = 12.0;
-const TOP: f64 = 12.0;
-const BOTTOM: f64 = 42.0;
-/// Columns of pixels that a series is thinned to; each keeps its lowest and highest point.
-const COLUMNS: usize = 900;
+const TOP: f64 = 22.0;
+const BOTTOM: f64 = 36.0;
 
-/// One line.
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mark {
+    /// A line.
+    Line,
+    /// A line with a dot at each point.
+    Dots,
+    /// A stem from zero to each point.
+    Stems,
+}
+
+/// A series of a plot.
 pub(super) struct Series<'a> {
-    /// Class of the line, which gives its colour.
-    pub(super) class: &'a str,
-    /// Its name in the legend.
-    pub(super) name: &'a str,
-    /// Its points, in order of x; those that are not numbers are left out.
-    pub(super) points: Vec<(f64, f64)>,
+    /// Its name, which is its style as well: `before` or `after`.
+    pub(super) name: &'static str,
+    /// Across.
+    pub(super) x: &'a [f64],
+    /// Up.
+    pub(super) y: &'a [f64],
 }
 
-/// A plot with its axes; `shaded` are ranges of x in the background.
-pub(super) fn plot(
-    x_title: &str,
-    y_title: &str,
-    series: &[Series<'_>],
-    shaded: &[(f64, f64)],
-) -> String {
-    let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| finite(p));
-    let (x0, x1) = span(all().map(|p| p.0));
-    let (y0, y1) = span(all().map(|p| p.1));
-    let across = |x: f64| LEFT + (x - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT);
-    let up = |y: f64| HEIGHT - BOTTOM - (y - y0) / (y1 - y0) * (HEIGHT - TOP - BOTTOM);
-    let mut svg = format!(
-        "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" data-x0=\"{x0}\" data-x1=\"{x1}\">"
-    );
-    for (from, to) in shaded {
-        let (a, b) = (across(from.max(x0)), across(to.min(x1)));
-        let (width, height) = ((b - a).max(0.0), HEIGHT - TOP - BOTTOM);
+/// A plot.
+pub(super) struct Plot<'a> {
+    /// What it shows.
+    pub(super) title: &'a str,
+    /// Quantity and unit across.
+    pub(super) across: &'a str,
+    /// Quantity and unit up.
+    pub(super) up: &'a str,
+    /// Height of the field, pixels.
+    pub(super) height: f64,
+    /// How the series are drawn.
+    pub(super) mark: Mark,
+    /// Shaded parts.
+    pub(super) bands: &'a [[f64; 2]],
+    /// The series, the hindmost first.
+    pub(super) series: &'a [Series<'a>],
+}
+
+impl Plot<'_> {
+    /// Draws it; nothing where there is nothing to draw.
+    pub(super) fn draw(&self, page: &mut String) {
+        let drawn = |s: &Series<'_>, axis: usize| {
+            let points = s.x.iter().zip(s.y).filter(|(x, y)| x.is_finite() && y.is_finite());
+            range(points.map(|(x, y)| if axis == 0 { *x } else { *y }))
+        };
+        let total = |axis| range(self.series.iter().filter_map(|s| drawn(s, axis)).flatten());
+        let (Some(x), Some(y)) = (total(0), total(1)) else {
+            return;
+        };
+        let x = if self.mark == Mark::Line { widened(x, 0.0) } else { widened(x, 0.02) };
+        let zero = if self.mark == Mark::Stems { 0.0 } else { y[0] };
+        let y = widened([y[0].min(zero), y[1].max(zero)], 0.05);
+        let (outer_width, outer_height) = (WIDTH + LEFT + RIGHT, self.height + TOP + BOTTOM);
         let _ = write!(
-            svg,
-            "<rect class=\"held\" x=\"{a:.1}\" y=\"{TOP}\" width=\"{width:.1}\" height=\"{height:.1}\"/>"
+            page,
+            "<svg class=plot viewBox=\"0 0 {outer_width} {outer_height}\" role=img \
+             aria-label=\"{title}\" data-x0={:e} data-x1={:e} data-y0={:e} data-y1={:e}>\
+             <text x={LEFT} y=14 class=title>{title}</text><g class=ticks>",
+            x[0],
+            x[1],
+            y[0],
+            y[1],
+            title = escape(self.title)
         );
-    }
-    for tick in ticks(y0, y1, 5) {
-        let y = up(tick);
+        self.ticks(page, x, y);
         let _ = write!(
-            svg,
-            "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" class=\"tick end\">{}</text>",
-            WIDTH - RIGHT,
-            LEFT - 6.0,
-            y + 4.0,
-            number(tick)
+            page,
+            "</g><text x={:.0} y={:.0} text-anchor=middle>{}</text>\
+             <text transform=\"translate(12 {:.0}) rotate(-90)\" text-anchor=middle>{}</text>\
+             <svg class=field x={LEFT} y={TOP} width={WIDTH} height={height} \
+             viewBox=\"0 0 {WIDTH} {height}\" preserveAspectRatio=none>",
+            LEFT + 0.5 * WIDTH,
+            outer_height - 4.0,
+            escape(self.across),
+            TOP + 0.5 * self.height,
+            escape(self.up),
+            height = self.height
         );
-    }
-    for tick in ticks(x0, x1, 9) {
-        let x = across(tick);
-        let _ = write!(
-            svg,
-            "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{:.1}\"/><text x=\"{x:.1}\" y=\"{:.1}\" class=\"tick middle\">{}</text>",
-            HEIGHT - BOTTOM,
-            HEIGHT - BOTTOM + 15.0,
-            number(tick)
-        );
-    }
-    for line in series {
-        let mut path = String::new();
-        for (k, (x, y)) in thinned(&line.points, x0, x1).iter().enumerate() {
-            let _ =
-                write!(path, "{}{:.1} {:.1}", if k == 0 { 'M' } else { 'L' }, across(*x), up(*y));
+        for [from, to] in self.bands {
+            let (from, to) = (place(*from, x, WIDTH), place(*to, x, WIDTH));
+            let _ = write!(
+                page,
+                "<rect class=band x={from:.2} y=-9999 width={:.2} height=19998 />",
+                (to - from).max(1.0)
+            );
         }
-        let _ = write!(
-            svg,
-            "<path class=\"{}\" d=\"{path}\"><title>{}</title></path>",
-            line.class,
-            escape(line.name)
+        for (k, series) in self.series.iter().enumerate() {
+            self.series(page, series, k, x, y);
+        }
+        let _ = writeln!(
+            page,
+            "</svg><rect class=frame x={LEFT} y={TOP} width={WIDTH} height={} />\
+             <text class=hover x={:.0} y=14 text-anchor=end></text></svg>",
+            self.height,
+            LEFT + WIDTH
         );
     }
-    let _ = write!(
-        svg,
-        "<text class=\"title middle\" x=\"{:.1}\" y=\"{:.1}\">{}</text><text class=\"title middle\" transform=\"translate(13 {:.1}) rotate(-90)\">{}</text></svg>",
-        (LEFT + WIDTH - RIGHT) / 2.0,
-        HEIGHT - 8.0,
-        escape(x_title),
-        (TOP + HEIGHT - BOTTOM) / 2.0,
-        escape(y_title)
-    );
-    let mut legend = String::new();
-    for line in series {
-        let _ = write!(legend, "<span class=\"key {}\"></span>{} ", line.class, escape(line.name));
-    }
-    format!("<figure>{svg}<figcaption>{legend}</figcaption></figure>")
-}
 
-fn finite(point: &&(f64, f64)) -> bool {
-    point.0.is_finite() && point.1.is_finite()
-}
-
-/// Least and greatest, with a little room where they meet.
-fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) =
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    if !low.is_finite() || !high.is_finite() {
-        return (0.0, 1.0);
-    }
-    if high - low > 1e-300 { (low, high) } else { (low - 1.0, high + 1.0) }
-}
-
-/// Round numbers between two values, about that many.
-fn ticks(low: f64, high: f64, about: usize) -> Vec<f64> {
-    let rough = (high - low) / about as f64;
-    let power = 10_f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough);
-    let step = step.unwrap_or(10.0 * power);
-    let first = (low / step).ceil() as i64;
-    let last = (high / step).floor() as i64;
-    if last - first > 50 {
-        return Vec::new();
-    }
-    (first..=last).map(|k| k as f64 * step).collect()
-}
-
-/// Lowest and highest point of every column, in the order in which they come.
-fn thinned(points: &[(f64, f64)], x0: f64, x1: f64) -> Vec<(f64, f64)> {
-    let column = |x: f64| (((x - x0) / (x1 - x0) * COLUMNS as f64) as usize).min(COLUMNS);
-    let mut kept: Vec<(f64, f64)> = Vec::new();
-    let mut bin: Option<(usize, [(f64, f64); 2])> = None;
-    let close = |kept: &mut Vec<(f64, f64)>, [low, high]: [(f64, f64); 2]| {
-        let (first, second) = if low.0 <= high.0 { (low, high) } else { (high, low) };
-        kept.push(first);
-        if first != second {
-            kept.push(second);
-        }
-    };
-    for point in points.iter().filter(finite) {
-        let own = column(point.0);
-        match &mut bin {
-            Some((number, [low, high])) if *number == own => {
-                if point.1 < low.1 {
-                    *low = *point;
+    fn series(&self, page: &mut String, series: &Series<'_>, k: usize, x: [f64; 2], y: [f64; 2]) {
+        let runs = thinned(series.x, series.y);
+        let at = |p: &[f64; 2]| (place(p[0], x, WIDTH), self.height - place(p[1], y, self.height));
+        let (mut line, mut dots) = (String::new(), String::new());
+        let ground = self.height - place(0.0, y, self.height);
+        for run in &runs {
+            for (n, point) in run.iter().enumerate() {
+                let (across, up) = at(point);
+                if self.mark == Mark::Stems {
+                    let beside = across + if k == 0 { -2.0 } else { 2.0 };
+                    let _ = write!(line, "M{beside:.2} {ground:.2}L{beside:.2} {up:.2}");
+                    continue;
                 }
-                if point.1 > high.1 {
-                    *high = *point;
+                let command = if n == 0 { 'M' } else { 'L' };
+                let _ = write!(line, "{command}{across:.2} {up:.2}");
+                if self.mark == Mark::Dots || run.len() == 1 {
+                    let _ = write!(dots, "M{across:.2} {up:.2}h0");
                 }
             }
-            _ => {
-                if let Some((_, ends)) = bin {
-                    close(&mut kept, ends);
-                }
-                bin = Some((own, [*point; 2]));
-            }
+        }
+        let stem = if self.mark == Mark::Stems { " stem" } else { "" };
+        let name = series.name;
+        let _ = write!(page, "<path class=\"line {name}{stem}\" data-name={name} d=\"{line}\" />");
+        if !dots.is_empty() {
+            let _ = write!(page, "<path class=\"dot {name}\" d=\"{dots}\" />");
         }
     }
-    if let Some((_, ends)) = bin {
-        close(&mut kept, ends);
+
+    fn ticks(&self, page: &mut String, x: [f64; 2], y: [f64; 2]) {
+        let (right, bottom) = (LEFT + WIDTH, TOP + self.height);
+        for (value, label) in ticks(x, 10.0) {
+            let across = LEFT + place(value, x, WIDTH);
+            let _ = write!(
+                page,
+                "<path d=\"M{across:.1} {TOP}V{bottom}\" class=grid /><text x={across:.1} y={:.1} \
+                 text-anchor=middle>{label}</text>",
+                bottom + 14.0
+            );
+        }
+        for (value, label) in ticks(y, 5.0) {
+            let up = bottom - place(value, y, self.height);
+            let _ = write!(
+                page,
+                "<path d=\"M{LEFT} {up:.1}H{right}\" class=grid /><text x={:.1} y={:.1} \
+                 text-anchor=end>{label}</text>",
+                LEFT - 5.0,
+                up + 3.5
+            );
+        }
     }
-    kept
 }
 
-/// A number in few digits.
-pub(super) fn number(value: f64) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    let size = value.abs();
-    if size != 0.0 && !(1e-3..1e5).contains(&size) {
-        return format!("{value:.3e}");
-    }
-    let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+fn widened([low, high]: [f64; 2], share: f64) -> [f64; 2] {
+    let span = high - low;
+    let least = 1e-9 * low.abs().max(high.abs()).max(1e-20);
+    let margin = if span > least { share * span } else { least.max(0.5 * low.abs()) };
+    [low - margin, high + margin]
 }
 
-/// Text that is safe in a page.
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+fn place(value: f64, [low, high]: [f64; 2], length: f64) -> f64 {
+    (value - low) / (high - low) * length
+}
+
+/// Round values inside a range, about so many, with their labels.
+pub(super) fn ticks([low, high]: [f64; 2], about: f64) -> Vec<(f64, String)> {
+    let raw = (high - low) / about;
+    let power = 10.0_f64.powf(raw.log10().floor());
+    let factors = [1.0, 2.0, 5.0, 10.0];
+    let step = power * factors.into_iter().find(|f| f * power >= 0.999 * raw).unwrap_or(10.0);
+    let decimals = (-step.log10().floor()).clamp(0.0, 20.0) as usize;
+    let tiny = low.abs().max(high.abs()) < 1e-3 || high.abs().max(low.abs()) >= 1e6;
+    let first = (low / step).ceil();
+    (0..=(3.0 * about) as usize)
+        .map(|k| (first + k as f64) * step)
+        .take_while(|value| *value <= high + 1e-9 * step)
+        .map(|value| {
+            let value = if value.abs() < 1e-9 * step { 0.0 } else { value };
+            let label = match value {
+                0.0 => "0".to_owned(),
+                _ if tiny => super::text::digits(value, 3),
+                _ => format!("{value:.decimals$}"),
+            };
+            (value, label)
+        })
+        .collect()
 }

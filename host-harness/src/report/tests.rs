@@ -94,7 +94,9 @@ fn the_page_says_what_was_found_escapes_what_it_shows_and_draws_no_nan() {
     }
     assert!(page.contains("scan &lt;slowly&gt; &amp; twice"));
     assert!(!page.contains("NaN") && !page.contains("inf "));
-    assert!(!page.contains("http"), "the page loads something from elsewhere");
+    for link in ["src=", "href=", "@import", "url("] {
+        assert!(!page.contains(link), "the page loads something from elsewhere: {link}");
+    }
 }
 
 #[test]
