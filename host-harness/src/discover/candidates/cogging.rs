@@ -28,11 +28,13 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
 pub(super) fn spectrum(scene: &Scene<'_>, test: &ScoreTest<'_>) -> Vec<(f64, Gain)> {
     let turned = turned(scene);
     let resolved = if turned < A_TURN { 0.5 / turned.max(1e-9) } else { 0.5 };
-    let orders: Vec<f64> = if turned < A_TURN {
+    let sampled = std::f64::consts::PI / typical_step(scene);
+    let mut orders: Vec<f64> = if turned < A_TURN {
         (4..=TRIED).map(|k| f64::from(k) * resolved).collect()
     } else {
         (1..=HIGHEST).map(f64::from).collect()
     };
+    orders.retain(|order| *order < sampled);
     let gains: Vec<Gain> = orders
         .par_iter()
         .map(|order| match taken(scene, *order, resolved) || order * turned < 2.0 {
@@ -67,6 +69,22 @@ fn taken(scene: &Scene<'_>, order: f64, reach: f64) -> bool {
         let [order, amplitude, _, second, ..] = effect.values;
         (amplitude != 0.0 && near(order)) || (second != 0.0 && near(2.0 * order))
     })
+}
+
+/// Median of how far the rotor turns from one sample to the next, rad: a line that passes half a
+/// period in that is not seen as what it is.
+fn typical_step(scene: &Scene<'_>) -> f64 {
+    let angle = |row: &[f64; 3]| row[Channel::Motor as usize];
+    let pairs = scene.record.measured.windows(2);
+    let mut steps: Vec<f64> = pairs
+        .map(|pair| (angle(&pair[1]) - angle(&pair[0])).abs())
+        .filter(|step| *step > 0.0)
+        .collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() {
+        return f64::MIN_POSITIVE;
+    }
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Turns between the rotor's extremes.
