@@ -175,7 +175,7 @@ fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static s
 
 /// What a push may follow, by sample.
 fn coordinates(problem: &Problem<'_>, model: &Model, run: &Run) -> Vec<(&'static str, Vec<f64>)> {
-    let layout = Layout { stages: model.stages.len() };
+    let layout = Layout::of(model);
     let shaft = output_shaft(model);
     let last = layout.speed(layout.stages);
     let series = |f: &dyn Fn(usize, &[f64]) -> f64| -> Vec<f64> {
