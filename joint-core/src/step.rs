@@ -8,8 +8,9 @@
 //! joint without effects does the same operations whatever the data.
 
 use crate::angle::Angle;
-use crate::effect::{Effects, Flow, Motion, Relaxation, Rubbing, Winding};
-use crate::joint::{Input, Joint, State};
+use crate::effect::{Effects, Felt, Flow, Memory, Motion, Relaxation, Rubbing, Winding};
+use crate::friction::Friction;
+use crate::joint::{Input, Joint, Mass, State};
 use crate::scalar::Scalar;
 
 /// Most masses that what effects remember may follow.
@@ -48,8 +49,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.damp(state, &gradient);
         self.kick::<1>(state, input, ahead);
         self.damp_back(state, &gradient);
-        state.angle.advance((first + state.rotor.speed).times(self.half_turn));
-        self.half_drift(state, ahead, state.angle);
+        let turned = (first + state.rotor.speed).times(self.half_turn);
+        self.half_drift(state, ahead, state.angle.ahead(turned));
+        state.angle.advance(turned);
         self.forces(state, state.angle);
         self.kick::<2>(state, input, state.angle);
     }
@@ -127,11 +129,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut wound = S::ZERO;
         let stages = state.stages.iter().zip(&self.stages);
         for ((level, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
-            let felt = self.effects.stage(number, stage.deflection, own);
+            let felt = self.felt(number, stage.deflection, own);
             let relative = before - stage.mass.speed;
-            let torque = constants.spring.torque(felt.deflection)
-                + self.effects.stage_torque(number, felt.deflection, &state.memory).value
+            let mut torque = constants.spring.torque(felt.deflection)
                 + constants.spring.damping_torque(relative) * felt.contact;
+            if self.effects.has_stages() {
+                let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
+                torque = torque + beside.value;
+            }
             before = stage.mass.speed;
             wound = wound + stage.deflection;
             if self.effects.has_angled_levels() || self.effects.has_stages() {
@@ -142,6 +147,33 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         }
         let at = Rubbing { speed: state.rotor.speed, transmitted: state.current, angle };
         (self.effects.inverse_level(0, at), levels)
+    }
+
+    /// What a stage's spring feels.
+    #[inline(always)]
+    fn felt(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
+        if self.effects.has_stages() {
+            self.effects.stage(stage, deflection, input)
+        } else {
+            Felt { deflection, contact: S::ONE, leverage: S::ONE }
+        }
+    }
+
+    /// Damping of a mass, with what effects make of it.
+    #[inline(always)]
+    fn damping(
+        &self,
+        friction: &Friction<S>,
+        number: usize,
+        mass: &Mass<S>,
+        memory: &Memory<S>,
+    ) -> S {
+        if self.effects.has_damping() {
+            let viscous = self.effects.viscous(number, mass.speed, memory);
+            friction.damping(&mass.bristle, viscous) + self.effects.drag(number, mass.speed)
+        } else {
+            friction.damping(&mass.bristle, S::ONE)
+        }
     }
 
     /// Forces and damping of every mass, but for the load and the motor; and how they change.
@@ -156,9 +188,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let rotor = &mut state.rotor;
         let memory = &state.memory;
         rotor.force = -self.rotor.torque(&rotor.bristle);
-        let viscous = self.effects.viscous(0, rotor.speed, memory);
-        rotor.damping =
-            self.rotor.damping(&rotor.bristle, viscous) + self.effects.drag(0, rotor.speed);
+        rotor.damping = self.damping(&self.rotor, 0, rotor, memory);
         gradient.rotor = self.rotor.slope(&rotor.bristle);
         if self.effects.has_torque(0) {
             let at = Motion { angle, turns: self.whole_turn.wide(angle), speed: rotor.speed };
@@ -178,23 +208,22 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             state.stages.iter_mut().zip(&self.stages).zip(0..N).zip(rows)
         {
             number += 1;
-            let felt = self.effects.stage(stage_number, stage.deflection, input);
-            let extra = self.effects.stage_torque(stage_number, felt.deflection, memory);
-            let mut torque = own.spring.torque(felt.deflection) + extra.value;
+            let felt = self.felt(stage_number, stage.deflection, input);
+            let mut torque = own.spring.torque(felt.deflection);
+            *slope = own.spring.slope(felt.deflection) * felt.contact;
             if self.effects.has_stages() {
+                let beside = self.effects.stage_torque(stage_number, felt.deflection, memory);
                 // What the damper feels of an argument that moves by itself.
                 let moving = own.spring.damping_torque((felt.leverage - S::ONE) * speed);
-                torque = torque + moving * felt.contact;
+                torque = torque + beside.value + moving * felt.contact;
+                *slope = *slope + beside.slope;
             }
-            *slope = own.spring.slope(felt.deflection) * felt.contact + extra.slope;
             *contact = felt.contact;
             *before = *before - torque * felt.leverage;
             let mass = &mut stage.mass;
             speed = mass.speed;
             mass.force = torque - own.friction.torque(&mass.bristle);
-            let viscous = self.effects.viscous(number, mass.speed, memory);
-            mass.damping = own.friction.damping(&mass.bristle, viscous)
-                + self.effects.drag(number, mass.speed);
+            mass.damping = self.damping(&own.friction, number, mass, memory);
             *mass_slope = own.friction.slope(&mass.bristle);
             wound = wound + stage.deflection;
             if self.effects.has_torque(number) || self.effects.has_stages() {

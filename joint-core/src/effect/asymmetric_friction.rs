@@ -46,6 +46,10 @@ impl<S: Scalar> AsymmetricFriction<S> {
 }
 
 impl<S: Scalar> Effects<S> for AsymmetricFriction<S> {
+    fn has_damping(&self) -> bool {
+        true
+    }
+
     fn has_levels(&self) -> bool {
         true
     }

@@ -154,9 +154,16 @@ pub trait Effects<S: Scalar> {
         false
     }
 
-    /// Whether [`Effects::stage`] or [`Effects::stage_torque`] does anything.
+    /// Whether [`Effects::stage`] or [`Effects::stage_torque`] is to be called: it needs the angles
+    /// of the masses.
     #[inline(always)]
     fn has_stages(&self) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::viscous`] and [`Effects::drag`] are to be called.
+    #[inline(always)]
+    fn has_damping(&self) -> bool {
         false
     }
 

@@ -55,6 +55,10 @@ impl<S: Scalar> LubricantWarming<S> {
 }
 
 impl<S: Scalar> Effects<S> for LubricantWarming<S> {
+    fn has_damping(&self) -> bool {
+        true
+    }
+
     fn has_memory(&self) -> bool {
         true
     }

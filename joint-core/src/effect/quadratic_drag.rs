@@ -31,6 +31,10 @@ impl<S: Scalar> QuadraticDrag<S> {
 }
 
 impl<S: Scalar> Effects<S> for QuadraticDrag<S> {
+    fn has_damping(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn drag(&self, mass: usize, speed: S) -> S {
         if mass == 0 { self.coefficient * speed.abs() } else { S::ZERO }

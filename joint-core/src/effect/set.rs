@@ -107,6 +107,7 @@ struct Uses {
     drops: bool,
     constants: bool,
     stages: bool,
+    damping: bool,
     memory: bool,
 }
 
@@ -121,6 +122,7 @@ impl Uses {
             drops: self.drops | Effects::<S>::has_drops(law),
             constants: self.constants | Effects::<S>::has_constants(law),
             stages: self.stages | Effects::<S>::has_stages(law),
+            damping: self.damping | Effects::<S>::has_damping(law),
             memory: self.memory | Effects::<S>::has_memory(law),
         })
     }
@@ -199,6 +201,11 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
     }
 
     #[inline(always)]
+    fn has_damping(&self) -> bool {
+        self.uses.damping
+    }
+
+    #[inline(always)]
     fn has_memory(&self) -> bool {
         self.uses.memory
     }
@@ -248,9 +255,6 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
     #[inline]
     fn stage(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
         let start = Felt { deflection, contact: S::ONE, leverage: S::ONE };
-        if !self.uses.stages {
-            return start;
-        }
         self.effects.iter().fold(start, |felt, effect| {
             let own = law!(effect, law => law.stage(stage, felt.deflection, input));
             Felt {
@@ -263,9 +267,6 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline]
     fn stage_torque(&self, stage: usize, felt: S, memory: &Memory<S>) -> Torque<S> {
-        if !self.uses.stages {
-            return Torque::NONE;
-        }
         self.effects.iter().fold(Torque::NONE, |sum, effect| {
             sum.plus(law!(effect, law => law.stage_torque(stage, felt, memory)))
         })
