@@ -2,9 +2,14 @@
 //!
 //! At a fixed speed the bristle relaxes exponentially towards its slip value, up to 10⁸ times a
 //! second: far stiffer than the step, but a scalar with a closed solution, of which this takes the
-//! Padé (0,2) approximant. It is exact in stick to second order, exact in the slip limit, and
+//! Padé (0,3) approximant. It is exact in stick to third order, exact in the slip limit, and
 //! stable at every step. Equations (2) and (3); symbols as there, with `ζ = σ0 z / α0` the bristle
 //! torque in units of the Coulomb level and `ρ = α0 / g(v)`.
+//!
+//! The speed moves in the kicks, though, and friction bends with it: by the Stribeck curve, which
+//! can turn a gear's damping negative within one step, and by the corner at standstill. So the
+//! kicks take the torque σ1 ż by its tangent, and after the middle one [`Friction::straighten`] makes
+//! good what a speed that is constant by halves misses of a speed that moves.
 
 use crate::joint::Mass;
 use crate::params;
@@ -27,6 +32,12 @@ pub struct Friction<S: Scalar> {
     stiffness: S::Gain,
     sigma1: S,
     sigma2: S,
+    /// Share of ζ per speed that passes standstill.
+    corner: S::Gain,
+    /// Share of the speed behind standstill that the damping of a reversing bristle takes.
+    reversal: S,
+    /// κ/4, for the Stribeck curve's second derivative.
+    bend: S::Gain,
 }
 
 /// A level g(v) of zero at standstill would leave ζ there undefined.
@@ -37,18 +48,43 @@ const LEAST_BETA: f64 = -1.0 + 1e-6;
 pub struct Bristle<S> {
     /// ζ = σ0 z / α0: bristle torque over Coulomb level.
     pub zeta: S,
-    /// χ = ż / v = 1 − sgn(v) ζ ρ at the end of the last flow: the share of the motion that bends
-    /// the bristle.
+    /// ∂ż/∂v = 1 − sgn(v) ζ (ρ + v ρ') at the end of the last flow: how much faster the bristle
+    /// bends for a faster motion.
     pub(crate) bending: S,
+    /// What that tangent leaves of ż at standstill, with the sign turned: ζ |v| vρ'.
+    pub(crate) excess: S,
+    /// Second derivative of |v| ρ(v) over 4/v0, for [`Friction::straighten`].
+    pub(crate) bow: S,
 }
 
+/// The Stribeck curve at one speed.
+#[derive(Clone, Copy)]
+struct Curve<S> {
+    /// 1/ρ = g(v)/α0.
+    level: S,
+    /// ρ = α0/g(v).
+    rho: S,
+    /// v ρ'.
+    steepness: S,
+    /// v0/4 times the second derivative of |v| ρ.
+    bow: S,
+}
+
+/// Mean of what a speed that crosses zero evenly between the two half drifts makes of ∫|v|, less what
+/// the halves make of it, over the smaller of the two: the least-squares fit over all crossings.
+const CORNER: f64 = 7.0 / 24.0;
+/// Mean share of the step behind standstill that the tangent before it misses of |v|, twice.
+const REVERSAL: f64 = 2.0 / 3.0;
+
 impl<S: Scalar> Friction<S> {
-    /// From SI: `shaft` is the mass's ratio to the motor, `half_step` in seconds; `torque`, `speed`
-    /// and `angle` are the units at the motor.
+    /// From SI: `shaft` is the mass's ratio to the motor, `half_step` in seconds, `mobility` what
+    /// speed the middle kick gives per torque; `torque`, `speed` and `angle` are the units at the
+    /// motor.
     pub(crate) fn new(
         friction: &params::Friction,
         shaft: f64,
         half_step: f64,
+        mobility: f64,
         [torque, speed, angle]: [f64; 3],
     ) -> Self {
         let shaft = libm::fabs(shaft);
@@ -60,6 +96,7 @@ impl<S: Scalar> Friction<S> {
             (0.0, 0.0)
         };
         let damping = shaft * shaft * speed / torque;
+        let sigma1 = friction.sigma1_nm_s_per_rad * shaft * shaft;
         Self {
             per_stribeck_velocity: S::gain(speed * shaft / friction.stribeck_velocity_rad_per_s),
             beta: S::from_f64(beta.max(LEAST_BETA)),
@@ -68,33 +105,59 @@ impl<S: Scalar> Friction<S> {
             stiffness: S::gain(sigma0 * angle / torque),
             sigma1: S::from_f64(friction.sigma1_nm_s_per_rad * damping),
             sigma2: S::from_f64(friction.sigma2_nm_s_per_rad * damping),
+            corner: S::gain(CORNER * kappa * speed / (1.0 + beta.max(0.0))),
+            reversal: S::from_f64(REVERSAL * sigma1 * mobility),
+            bend: S::gain(kappa * speed / 4.0),
         }
     }
 
-    /// 1/ρ = g(v)/α0 = 1 + β exp(−(v/v0)²), equation (3).
+    /// The Stribeck curve 1/ρ = g(v)/α0 = 1 + β exp(−(v/v0)²), equation (3), and how it bends.
     #[inline(always)]
-    fn slip_level(&self, speed: S) -> S {
-        S::ONE + self.beta * speed.times(self.per_stribeck_velocity).bell()
+    fn curve(&self, speed: S) -> Curve<S> {
+        let relative = speed.times(self.per_stribeck_velocity);
+        let (square, bell) = relative.bell();
+        let excess = self.beta * bell;
+        let level = S::ONE + excess;
+        let rho = S::ONE.over(level);
+        // ρ (1 − ρ), of which vρ' is 2s times and the bow |v|/v0 (3/2 + s (1 − 2ρ)) times as much.
+        let slope = rho * rho * excess;
+        let twist = square * rho;
+        Curve {
+            level,
+            rho,
+            steepness: (slope + slope) * square,
+            bow: slope * relative.abs() * (S::ONE + S::HALF + square - twist - twist),
+        }
     }
 
     /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
     pub(crate) fn settle(&self, mass: &mut Mass<S>, inverse_level: S) {
-        let slip = mass.bristle.zeta.over(self.slip_level(mass.speed)) * inverse_level;
-        mass.bristle.bending = bending(mass.speed, slip);
+        self.keep(mass, mass.bristle.zeta, &self.curve(mass.speed), inverse_level);
     }
 
-    /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and a = 1 + x/2,
-    /// `ζ ← (ζ + y a) / (1 + x a)`. Numerator and denominator are multiplied by 1/ρ², so that one
-    /// division gives the new ζ ρ.
+    /// Puts the bristle at ζ and keeps its rate as a tangent in the speed.
+    #[inline(always)]
+    fn keep(&self, mass: &mut Mass<S>, zeta: S, curve: &Curve<S>, inverse_level: S) {
+        let lasting = zeta * inverse_level;
+        let grip = lasting * (curve.rho + curve.steepness);
+        mass.bristle = Bristle {
+            zeta,
+            bending: if mass.speed < S::ZERO { S::ONE + grip } else { S::ONE - grip },
+            excess: lasting * curve.steepness * mass.speed.abs(),
+            bow: curve.bow * inverse_level,
+        };
+    }
+
+    /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
+    /// a = 1 + x/2 + x²/6, `ζ ← (ζ + y a) / (1 + x a)`.
     #[inline(always)]
     pub(crate) fn flow(&self, mass: &mut Mass<S>) {
-        let level = self.slip_level(mass.speed);
+        let curve = self.curve(mass.speed);
         let y = mass.speed.times(self.kappa);
-        let reach = y.abs();
-        let series = level + reach * S::HALF;
-        let slip = (mass.bristle.zeta * level + y * series).over(level * level + reach * series);
-        mass.bristle.zeta = slip * level;
-        mass.bristle.bending = bending(mass.speed, slip);
+        let x = y.abs() * curve.rho;
+        let a = S::ONE + x * (S::HALF + x * S::SIXTH);
+        let zeta = (mass.bristle.zeta + y * a).over(S::ONE + x * a);
+        self.keep(mass, zeta, &curve, S::ONE);
     }
 
     /// Moves the bristle over half a step in which an effect's factor on g(v) changes; both
@@ -107,10 +170,9 @@ impl<S: Scalar> Friction<S> {
     #[inline]
     pub(crate) fn flow_along(&self, mass: &mut Mass<S>, inverse_levels: [S; 2]) {
         let [start, end] = inverse_levels;
-        let plain = self.slip_level(mass.speed);
-        let rho = S::ONE.over(plain);
+        let curve = self.curve(mass.speed);
         let reach = mass.speed.times(self.kappa);
-        let decay = reach.abs() * rho * (start + end) * S::HALF;
+        let decay = reach.abs() * curve.rho * (start + end) * S::HALF;
         let three = S::ONE + S::ONE + S::ONE;
         let square = decay * decay;
         let (above, below) = (
@@ -119,12 +181,29 @@ impl<S: Scalar> Friction<S> {
         );
         let way = above.over(below);
         let (first, last) = (S::ONE.over(start), S::ONE.over(end));
-        let target = (first + (last - first) * way) * plain;
+        let target = (first + (last - first) * way) * curve.level;
         let target = if mass.speed < S::ZERO { -target } else { target };
-        let series = decay * (S::ONE + decay * S::HALF);
+        let series = decay * (S::ONE + decay * (S::HALF + decay * S::SIXTH));
         let zeta = (mass.bristle.zeta + series * target).over(S::ONE + series);
-        mass.bristle.zeta = zeta;
-        mass.bristle.bending = bending(mass.speed, zeta * rho * end);
+        self.keep(mass, zeta, &curve, end);
+    }
+
+    /// Makes good, once the middle kick has changed the speed from `before`, what two half steps at
+    /// constant speeds miss of a speed that changes evenly: of the bristle's ∫|v| ρ(v) at a
+    /// reversal and along the Stribeck curve, and of the kick's own damping behind a reversal.
+    #[inline(always)]
+    pub(crate) fn straighten(&self, mass: &mut Mass<S>, before: S) {
+        let after = mass.speed;
+        // Twice the smaller of the two where they differ in sign, and exactly zero elsewhere.
+        let passed = before.abs() + after.abs() - (before + after).abs();
+        let gained = (after - before).abs();
+        let curved = gained.times(self.bend) * gained.times(self.per_stribeck_velocity);
+        let bristle = &mut mass.bristle;
+        bristle.zeta =
+            bristle.zeta + bristle.zeta * (passed.times(self.corner) + curved * bristle.bow);
+        if passed > S::ZERO {
+            mass.speed = after - after * (self.reversal * (S::ONE - bristle.bending));
+        }
     }
 
     /// Bristle torque σ0 z.
@@ -133,23 +212,23 @@ impl<S: Scalar> Friction<S> {
         bristle.zeta.times(self.level)
     }
 
-    /// Damping c = σ1 χ + σ2, the torque per speed beside the bristle torque.
+    /// What σ1 ż is at standstill by its tangent.
+    #[inline(always)]
+    pub(crate) fn standing(&self, bristle: &Bristle<S>) -> S {
+        bristle.excess * self.sigma1
+    }
+
+    /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {
         self.sigma1 * bristle.bending + self.sigma2 * viscous
     }
 
-    /// Change of the bristle torque with the angle: σ0 χ.
+    /// Change of the bristle torque with the angle where the speed changes with it: σ0 ∂ż/∂v.
     #[inline(always)]
     pub(crate) fn slope(&self, bristle: &Bristle<S>) -> S {
         bristle.bending.times(self.stiffness)
     }
-}
-
-/// χ = 1 − sgn(v) ζ ρ, from ζ ρ.
-#[inline(always)]
-fn bending<S: Scalar>(speed: S, slip: S) -> S {
-    if speed < S::ZERO { S::ONE + slip } else { S::ONE - slip }
 }
 
 #[cfg(test)]

@@ -191,7 +191,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let inertia = |mass| reflected_inertia(motor, stages, load, mass);
         let gamma = |inertia: f64| S::gain(step * step / (24.0 * inertia) * torque / angle);
         let friction = |mass| {
-            Friction::new(bases.friction(mass), bases.shaft(mass), half, [torque, speed, angle])
+            let units = [torque, speed, angle];
+            let mobility = MIDDLE * step / inertia(mass);
+            Friction::new(bases.friction(mass), bases.shaft(mass), half, mobility, units)
         };
         let kick = |weight: f64| {
             let units = [torque, speed, current];

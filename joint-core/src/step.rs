@@ -38,6 +38,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
         self.kick::<0>(state, input);
         let first = state.rotor.speed;
+        let mut firsts = [S::ZERO; N];
+        for (first, stage) in firsts.iter_mut().zip(&state.stages) {
+            *first = stage.mass.speed;
+        }
         self.half_drift(state);
         let ahead = state.angle.ahead(first.times(self.half_turn));
         let gradient = self.forces(state, ahead);
@@ -45,6 +49,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.damp(state, &gradient);
         self.kick::<1>(state, input);
         self.damp_back(state, &gradient);
+        self.rotor.straighten(&mut state.rotor, first);
+        for ((stage, own), first) in state.stages.iter_mut().zip(&self.stages).zip(firsts) {
+            own.friction.straighten(&mut stage.mass, first);
+        }
         self.half_drift(state);
         state.angle.advance((first + state.rotor.speed).times(self.half_turn));
         self.forces(state, state.angle);
@@ -121,7 +129,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             contact: [S::ONE; N],
         };
         let rotor = &mut state.rotor;
-        rotor.force = -self.rotor.torque(&rotor.bristle);
+        rotor.force = -(self.rotor.torque(&rotor.bristle) + self.rotor.standing(&rotor.bristle));
         rotor.damping = self.rotor.damping(&rotor.bristle, self.effects.viscous(0, rotor.speed));
         gradient.rotor = self.rotor.slope(&rotor.bristle);
         if self.effects.has_torque(0) {
@@ -145,7 +153,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *contact = touching;
             *before = *before - torque;
             let mass = &mut stage.mass;
-            mass.force = torque - own.friction.torque(&mass.bristle);
+            let held = own.friction.torque(&mass.bristle) + own.friction.standing(&mass.bristle);
+            mass.force = torque - held;
             mass.damping =
                 own.friction.damping(&mass.bristle, self.effects.viscous(number, mass.speed));
             *mass_slope = own.friction.slope(&mass.bristle);
