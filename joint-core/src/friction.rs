@@ -206,16 +206,11 @@ impl<S: Scalar> Friction<S> {
         }
     }
 
-    /// Bristle torque σ0 z.
+    /// Torque of the bristle, σ0 z + σ1 ż, where the tangent that [`Friction::damping`] holds meets
+    /// standstill.
     #[inline(always)]
     pub(crate) fn torque(&self, bristle: &Bristle<S>) -> S {
-        bristle.zeta.times(self.level)
-    }
-
-    /// What σ1 ż is at standstill by its tangent.
-    #[inline(always)]
-    pub(crate) fn standing(&self, bristle: &Bristle<S>) -> S {
-        bristle.excess * self.sigma1
+        bristle.zeta.times(self.level) + bristle.excess * self.sigma1
     }
 
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
@@ -243,25 +238,55 @@ mod tests {
             stribeck_velocity_rad_per_s: 2.0,
             ..params::Friction::default()
         };
-        Friction::new(&friction, 1.0, 0.1, [1.0; 3])
+        Friction::new(&friction, 1.0, 0.1, 1.0, [1.0; 3])
     }
 
     #[test]
     fn the_flow_is_the_pade_quotient() {
         for k in -40..=40 {
             let speed = 0.2 * f64::from(k);
-            let bristle = Bristle { zeta: 0.3, bending: 0.0 };
+            let bristle = Bristle { zeta: 0.3, ..Bristle::default() };
             let mut mass = Mass { speed, bristle, ..Mass::default() };
             friction(0.2).flow(&mut mass);
             let rho = 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
             let y = 3.0 * 0.1 / 0.5 * speed;
-            let a = 1.0 + y.abs() * rho / 2.0;
-            let zeta = (0.3 + y * a) / (1.0 + y.abs() * rho * a);
+            let x = y.abs() * rho;
+            let a = 1.0 + x / 2.0 + x * x / 6.0;
+            let zeta = (0.3 + y * a) / (1.0 + x * a);
             // The exponential's error, 1e-10, times β and the slopes, all below one.
             assert!((mass.bristle.zeta - zeta).abs() < 1e-9, "at {speed}");
-            let bending = 1.0 - if speed < 0.0 { -1.0 } else { 1.0 } * zeta * rho;
-            assert!((mass.bristle.bending - bending).abs() < 1e-9, "at {speed}");
         }
+    }
+
+    #[test]
+    fn what_is_kept_is_the_tangent_of_the_bristle_rate_and_its_curvature() {
+        let rho = |speed: f64| 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
+        let rate = |speed: f64, zeta: f64| speed - speed.abs() * rho(speed) * zeta;
+        for speed in [-5.0_f64, -1.7, -0.3, 0.2, 1.0, 2.5, 6.0] {
+            let bristle = Bristle { zeta: 0.7, ..Bristle::default() };
+            let mut mass = Mass { speed, bristle, ..Mass::default() };
+            friction(0.2).settle(&mut mass, 1.0);
+            let bristle = mass.bristle;
+            let tangent = (rate(speed + 1e-5, 0.7) - rate(speed - 1e-5, 0.7)) / 2e-5;
+            assert!((bristle.bending - tangent).abs() < 1e-8, "slope at {speed}");
+            let there = bristle.bending * speed + bristle.excess;
+            assert!((there - rate(speed, 0.7)).abs() < 1e-9, "value at {speed}");
+            let grip = |speed: f64| speed.abs() * rho(speed);
+            let second =
+                (grip(speed + 1e-3) - 2.0 * grip(speed) + grip(speed - 1e-3)) / 1e-6 * 2.0 / 4.0;
+            assert!((bristle.bow - second).abs() < 1e-5, "curvature at {speed}");
+        }
+    }
+
+    #[test]
+    fn a_speed_that_keeps_its_sign_on_a_flat_curve_needs_no_straightening() {
+        let bristle = Bristle { zeta: 0.7, ..Bristle::default() };
+        let mut mass = Mass { speed: 1.3, bristle, ..Mass::default() };
+        let before = mass;
+        friction(0.0).straighten(&mut mass, 0.2);
+        assert_eq!(mass, before);
+        friction(0.0).straighten(&mut mass, -0.2);
+        assert!(mass.bristle.zeta > 0.7);
     }
 
     #[test]
