@@ -60,8 +60,6 @@ pub struct Bristle<S> {
 /// The Stribeck curve at one speed.
 #[derive(Clone, Copy)]
 struct Curve<S> {
-    /// 1/ρ = g(v)/α0.
-    level: S,
     /// ρ = α0/g(v).
     rho: S,
     /// v ρ'.
@@ -115,15 +113,13 @@ impl<S: Scalar> Friction<S> {
     #[inline(always)]
     fn curve(&self, speed: S) -> Curve<S> {
         let relative = speed.times(self.per_stribeck_velocity);
-        let (square, bell) = relative.bell();
-        let excess = self.beta * bell;
-        let level = S::ONE + excess;
-        let rho = S::ONE.over(level);
-        // ρ (1 − ρ), of which vρ' is 2s times and the bow |v|/v0 (3/2 + s (1 − 2ρ)) times as much.
-        let slope = rho * rho * excess;
+        let square = relative * relative;
+        let excess = square.excess(self.beta);
+        let rho = S::ONE - excess;
+        // Of ρ (1 − ρ), vρ' is 2s times and the bow |v|/v0 (3/2 + s (1 − 2ρ)) times as much.
+        let slope = rho * excess;
         let twist = square * rho;
         Curve {
-            level,
             rho,
             steepness: (slope + slope) * square,
             bow: slope * relative.abs() * (S::ONE + S::HALF + square - twist - twist),
@@ -138,12 +134,11 @@ impl<S: Scalar> Friction<S> {
     /// Puts the bristle at ζ and keeps its rate as a tangent in the speed.
     #[inline(always)]
     fn keep(&self, mass: &mut Mass<S>, zeta: S, curve: &Curve<S>, inverse_level: S) {
-        let lasting = zeta * inverse_level;
-        let grip = lasting * (curve.rho + curve.steepness);
+        let along = if mass.speed < S::ZERO { -zeta } else { zeta } * inverse_level;
         mass.bristle = Bristle {
             zeta,
-            bending: if mass.speed < S::ZERO { S::ONE + grip } else { S::ONE - grip },
-            excess: lasting * curve.steepness * mass.speed.abs(),
+            bending: S::ONE - along * (curve.rho + curve.steepness),
+            excess: along * curve.steepness * mass.speed,
             bow: curve.bow * inverse_level,
         };
     }
@@ -181,7 +176,7 @@ impl<S: Scalar> Friction<S> {
         );
         let way = above.over(below);
         let (first, last) = (S::ONE.over(start), S::ONE.over(end));
-        let target = (first + (last - first) * way) * curve.level;
+        let target = (first + (last - first) * way).over(curve.rho);
         let target = if mass.speed < S::ZERO { -target } else { target };
         let series = decay * (S::ONE + decay * (S::HALF + decay * S::SIXTH));
         let zeta = (mass.bristle.zeta + series * target).over(S::ONE + series);
@@ -196,7 +191,7 @@ impl<S: Scalar> Friction<S> {
         let after = mass.speed;
         // Twice the smaller of the two where they differ in sign, and exactly zero elsewhere.
         let passed = before.abs() + after.abs() - (before + after).abs();
-        let gained = (after - before).abs();
+        let gained = after - before;
         let curved = gained.times(self.bend) * gained.times(self.per_stribeck_velocity);
         let bristle = &mut mass.bristle;
         bristle.zeta =

@@ -76,9 +76,10 @@ pub trait Scalar:
         (quarter - self.abs()).sin_turns()
     }
 
-    /// `x²` and the bell `exp(−x²)` of any `x`. Where the bell is as good as zero it is zero, and the
-    /// square stands still.
-    fn bell(self) -> (Self, Self);
+    /// `β / (exp(s) + β)` of any `s ≥ 0` and β above −1: what a Stribeck curve 1 + β exp(−s) has
+    /// beyond one, as a share of itself. Absolute error of the exponential's inverse below 4e-5
+    /// (f32) and 1e-10 (f64).
+    fn excess(self, beta: Self) -> Self;
 
     /// Hyperbolic tangent; absolute error that of [`Scalar::exp_minus`].
     #[inline]
@@ -107,23 +108,6 @@ macro_rules! horner {
         $( sum = sum * x + $c; )+
         sum
     }};
-}
-
-/// From here on f32 forgets an exponential.
-const FORGOTTEN: f32 = 16.0;
-/// What is left of it there.
-const LEFT: f32 = decayed(FORGOTTEN);
-
-/// `exp(−t) = exp(−t/32)³²`, the root by a cubic whose 32nd power is within 7.2e-7 of it on
-/// `0 ≤ t ≤ 16`; what is left there, 1.2e-7, stands for all beyond.
-#[inline(always)]
-const fn decayed(t: f32) -> f32 {
-    let mut root = horner!(t, f32, -4.807_761e-6, 4.877_664_6e-4, -0.031_249_774, 1.0);
-    root = root * root;
-    root = root * root;
-    root = root * root;
-    root = root * root;
-    root * root
 }
 
 impl Scalar for f32 {
@@ -159,15 +143,25 @@ impl Scalar for f32 {
     fn abs(self) -> f32 {
         f32::abs(self)
     }
+    /// `exp(−t) = exp(−t/32)³²`, the root by a cubic whose 32nd power is within 7.2e-7 of it on
+    /// `0 ≤ t ≤ 16`; what is left there, 1.2e-7, stands for all beyond.
     #[inline(always)]
     fn exp_minus(self) -> f32 {
-        decayed(if self < FORGOTTEN { self } else { FORGOTTEN })
+        let t = if self < 16.0 { self } else { 16.0 };
+        let mut root = horner!(t, f32, -4.807_761e-6, 4.877_664_6e-4, -0.031_249_774, 1.0);
+        for _ in 0..5 {
+            root = root * root;
+        }
+        root
     }
+    /// The exponential is the eighth power of a cubic: it needs no end of its range, since its
+    /// inverse goes to zero with it.
     #[inline(always)]
-    fn bell(self) -> (f32, f32) {
-        let square = self * self;
-        let square = if square < FORGOTTEN { square } else { FORGOTTEN };
-        (square, decayed(square) - LEFT)
+    fn excess(self, beta: f32) -> f32 {
+        let root = horner!(self, f32, 3.995_5e-4, 7.686_11e-3, 0.125_049_7, 1.0);
+        let square = root * root;
+        let fourth = square * square;
+        beta / (fourth * fourth + beta)
     }
     #[inline(always)]
     fn sin_turns(self) -> f32 {
@@ -243,10 +237,9 @@ impl Scalar for f64 {
         mantissa * f64::from_bits(((1023 - whole) as u64) << 52)
     }
     #[inline(always)]
-    fn bell(self) -> (f64, f64) {
-        let square = self * self;
-        let square = if square < 64.0 { square } else { 64.0 };
-        (square, square.exp_minus())
+    fn excess(self, beta: f64) -> f64 {
+        let excess = beta * self.exp_minus();
+        excess / (1.0 + excess)
     }
     #[inline(always)]
     fn sin_turns(self) -> f64 {
@@ -294,9 +287,22 @@ mod tests {
             let exact = (-f64::from(narrow)).exp();
             assert!((f64::from(narrow.exp_minus()) - exact).abs() < 5e-6, "f32 at {x}");
         }
-        for x in [f32::MAX, f32::INFINITY, f32::MIN] {
-            assert_eq!(x.bell(), (FORGOTTEN, 0.0));
-            assert!((0.0..1e-10).contains(&f64::from(x).bell().1));
+    }
+
+    #[test]
+    fn the_excess_of_a_stribeck_curve_keeps_its_stated_error_and_ends_at_zero() {
+        for beta in [-0.9, -0.3, 0.4, 2.0] {
+            for s in sweep(0.0, 80.0).chain(sweep(0.0, 2.0)) {
+                let exact = beta / (s.exp() + beta);
+                // The error 4e-5 of exp(−s) grows by β/(1 + β exp(−s))².
+                let bound = 4e-5 * beta.abs() / (1.0 + beta.min(0.0)).powi(2) + 1e-6;
+                let narrow = f64::from((s as f32).excess(beta as f32));
+                assert!((narrow - exact).abs() < bound, "f32 at {s}, {beta}: {narrow} {exact}");
+                assert!((s.excess(beta) - exact).abs() < 1e-8, "f64 at {s}, {beta}");
+            }
+            assert_eq!(1e9_f32.excess(beta as f32), 0.0);
+            assert_eq!(f32::MAX.excess(beta as f32), 0.0);
+            assert!(1e9_f64.excess(beta).abs() < 1e-20);
         }
     }
 
