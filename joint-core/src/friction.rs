@@ -9,7 +9,7 @@
 //! The speed moves in the kicks, though, and friction bends with it: by the Stribeck curve, which
 //! can turn a gear's damping negative within one step, and by the corner at standstill. So the
 //! kicks take the torque σ1 ż by its tangent, and after the middle one [`Friction::straighten`] makes
-//! good what a speed that is constant by halves misses of a speed that moves.
+//! good what halves of constant speed miss of a reversal.
 
 use crate::joint::Mass;
 use crate::params;
@@ -20,7 +20,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Friction<S: Scalar> {
-    /// 1/v0.
+    /// √2/v0.
     per_stribeck_velocity: S::Gain,
     /// β = α1/α0.
     beta: S,
@@ -36,8 +36,6 @@ pub struct Friction<S: Scalar> {
     corner: S::Gain,
     /// Share of the speed behind standstill that the damping of a reversing bristle takes.
     reversal: S,
-    /// κ/4, for the Stribeck curve's second derivative.
-    bend: S::Gain,
 }
 
 /// A level g(v) of zero at standstill would leave ζ there undefined.
@@ -51,10 +49,6 @@ pub struct Bristle<S> {
     /// ∂ż/∂v = 1 − sgn(v) ζ (ρ + v ρ') at the end of the last flow: how much faster the bristle
     /// bends for a faster motion.
     pub(crate) bending: S,
-    /// What that tangent leaves of ż at standstill, with the sign turned: ζ |v| vρ'.
-    pub(crate) excess: S,
-    /// Second derivative of |v| ρ(v) over 4/v0, for [`Friction::straighten`].
-    pub(crate) bow: S,
 }
 
 /// The Stribeck curve at one speed.
@@ -64,8 +58,6 @@ struct Curve<S> {
     rho: S,
     /// v ρ'.
     steepness: S,
-    /// v0/4 times the second derivative of |v| ρ.
-    bow: S,
 }
 
 /// Mean of what a speed that crosses zero evenly between the two half drifts makes of ∫|v|, less what
@@ -96,7 +88,9 @@ impl<S: Scalar> Friction<S> {
         let damping = shaft * shaft * speed / torque;
         let sigma1 = friction.sigma1_nm_s_per_rad * shaft * shaft;
         Self {
-            per_stribeck_velocity: S::gain(speed * shaft / friction.stribeck_velocity_rad_per_s),
+            per_stribeck_velocity: S::gain(
+                core::f64::consts::SQRT_2 * speed * shaft / friction.stribeck_velocity_rad_per_s,
+            ),
             beta: S::from_f64(beta.max(LEAST_BETA)),
             kappa: S::gain(kappa * speed),
             level: S::gain(alpha0 / torque),
@@ -105,7 +99,6 @@ impl<S: Scalar> Friction<S> {
             sigma2: S::from_f64(friction.sigma2_nm_s_per_rad * damping),
             corner: S::gain(CORNER * kappa * speed / (1.0 + beta.max(0.0))),
             reversal: S::from_f64(REVERSAL * sigma1 * mobility),
-            bend: S::gain(kappa * speed / 4.0),
         }
     }
 
@@ -116,14 +109,7 @@ impl<S: Scalar> Friction<S> {
         let square = relative * relative;
         let excess = square.excess(self.beta);
         let rho = S::ONE - excess;
-        // Of ρ (1 − ρ), vρ' is 2s times and the bow |v|/v0 (3/2 + s (1 − 2ρ)) times as much.
-        let slope = rho * excess;
-        let twist = square * rho;
-        Curve {
-            rho,
-            steepness: (slope + slope) * square,
-            bow: slope * relative.abs() * (S::ONE + S::HALF + square - twist - twist),
-        }
+        Curve { rho, steepness: rho * excess * square }
     }
 
     /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
@@ -131,16 +117,14 @@ impl<S: Scalar> Friction<S> {
         self.keep(mass, mass.bristle.zeta, &self.curve(mass.speed), inverse_level);
     }
 
-    /// Puts the bristle at ζ and keeps its rate as a tangent in the speed.
+    /// Puts the bristle at ζ. Its torque σ0 z + σ1 ż is kept as a tangent in the speed: what there is
+    /// of it at standstill is the mass's force to begin with.
     #[inline(always)]
     fn keep(&self, mass: &mut Mass<S>, zeta: S, curve: &Curve<S>, inverse_level: S) {
         let along = if mass.speed < S::ZERO { -zeta } else { zeta } * inverse_level;
-        mass.bristle = Bristle {
-            zeta,
-            bending: S::ONE - along * (curve.rho + curve.steepness),
-            excess: along * curve.steepness * mass.speed,
-            bow: curve.bow * inverse_level,
-        };
+        mass.bristle = Bristle { zeta, bending: S::ONE - along * (curve.rho + curve.steepness) };
+        let standing = along * curve.steepness * mass.speed;
+        mass.force = -(zeta.times(self.level) + standing * self.sigma1);
     }
 
     /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
@@ -183,29 +167,18 @@ impl<S: Scalar> Friction<S> {
         self.keep(mass, zeta, &curve, end);
     }
 
-    /// Makes good, once the middle kick has changed the speed from `before`, what two half steps at
-    /// constant speeds miss of a speed that changes evenly: of the bristle's ∫|v| ρ(v) at a
-    /// reversal and along the Stribeck curve, and of the kick's own damping behind a reversal.
+    /// Makes good, once the middle kick has turned the speed round from `before`, what two half steps
+    /// at constant speeds miss of the bristle's ∫|v|, and the kick's tangent of the damping behind
+    /// standstill.
     #[inline(always)]
     pub(crate) fn straighten(&self, mass: &mut Mass<S>, before: S) {
         let after = mass.speed;
         // Twice the smaller of the two where they differ in sign, and exactly zero elsewhere.
         let passed = before.abs() + after.abs() - (before + after).abs();
-        let gained = after - before;
-        let curved = gained.times(self.bend) * gained.times(self.per_stribeck_velocity);
         let bristle = &mut mass.bristle;
-        bristle.zeta =
-            bristle.zeta + bristle.zeta * (passed.times(self.corner) + curved * bristle.bow);
-        if passed > S::ZERO {
-            mass.speed = after - after * (self.reversal * (S::ONE - bristle.bending));
-        }
-    }
-
-    /// Torque of the bristle, σ0 z + σ1 ż, where the tangent that [`Friction::damping`] holds meets
-    /// standstill.
-    #[inline(always)]
-    pub(crate) fn torque(&self, bristle: &Bristle<S>) -> S {
-        bristle.zeta.times(self.level) + bristle.excess * self.sigma1
+        bristle.zeta = bristle.zeta + bristle.zeta * passed.times(self.corner);
+        let behind = if passed > S::ZERO { after } else { S::ZERO };
+        mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
     }
 
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
@@ -225,9 +198,12 @@ impl<S: Scalar> Friction<S> {
 mod tests {
     use super::*;
 
+    const SIGMA1: f64 = 0.3;
+
     fn friction(stribeck_nm: f64) -> Friction<f64> {
         let friction = params::Friction {
             sigma0_nm_per_rad: 3.0,
+            sigma1_nm_s_per_rad: SIGMA1,
             coulomb_nm: 0.5,
             stribeck_nm,
             stribeck_velocity_rad_per_s: 2.0,
@@ -254,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_the_tangent_of_the_bristle_rate_and_its_curvature() {
+    fn what_is_kept_is_the_tangent_of_the_bristle_torque() {
         let rho = |speed: f64| 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
         let rate = |speed: f64, zeta: f64| speed - speed.abs() * rho(speed) * zeta;
         for speed in [-5.0_f64, -1.7, -0.3, 0.2, 1.0, 2.5, 6.0] {
@@ -264,24 +240,20 @@ mod tests {
             let bristle = mass.bristle;
             let tangent = (rate(speed + 1e-5, 0.7) - rate(speed - 1e-5, 0.7)) / 2e-5;
             assert!((bristle.bending - tangent).abs() < 1e-8, "slope at {speed}");
-            let there = bristle.bending * speed + bristle.excess;
-            assert!((there - rate(speed, 0.7)).abs() < 1e-9, "value at {speed}");
-            let grip = |speed: f64| speed.abs() * rho(speed);
-            let second =
-                (grip(speed + 1e-3) - 2.0 * grip(speed) + grip(speed - 1e-3)) / 1e-6 * 2.0 / 4.0;
-            assert!((bristle.bow - second).abs() < 1e-5, "curvature at {speed}");
+            let held = SIGMA1 * (rate(speed, 0.7) - bristle.bending * speed) + 0.5 * 0.7;
+            assert!((mass.force + held).abs() < 1e-9, "value at {speed}");
         }
     }
 
     #[test]
-    fn a_speed_that_keeps_its_sign_on_a_flat_curve_needs_no_straightening() {
+    fn only_a_speed_that_changes_its_sign_needs_straightening() {
         let bristle = Bristle { zeta: 0.7, ..Bristle::default() };
         let mut mass = Mass { speed: 1.3, bristle, ..Mass::default() };
         let before = mass;
-        friction(0.0).straighten(&mut mass, 0.2);
+        friction(0.2).straighten(&mut mass, 0.2);
         assert_eq!(mass, before);
-        friction(0.0).straighten(&mut mass, -0.2);
-        assert!(mass.bristle.zeta > 0.7);
+        friction(0.2).straighten(&mut mass, -0.2);
+        assert!(mass.speed < 1.3 && mass.bristle.zeta > 0.7);
     }
 
     #[test]

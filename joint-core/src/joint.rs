@@ -86,6 +86,8 @@ pub struct Joint<S: Scalar, const N: usize, E = ()> {
     per_drive: S::Gain,
     per_load: S::Gain,
     pub(crate) current_imposed: bool,
+    /// Whether any stage has a damper.
+    pub(crate) damped: bool,
     output_shaft: f64,
     pub(crate) units: Units<S>,
 }
@@ -245,6 +247,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             rotor_gamma: gamma(inertia(0)),
             outer: kick(OUTER),
             middle: kick(MIDDLE),
+            damped: stages.iter().any(|stage| stage.spring.is_damped()),
             stages,
             effects,
             per_drive: S::gain(match settings.drive {

@@ -50,9 +50,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.half_drift(state, state.angle, ahead);
         let gradient = self.forces(state, ahead);
         self.correct(state, input, &gradient);
-        self.damp(state, &gradient);
+        if self.damped {
+            self.damp(state, &gradient);
+        }
         self.kick::<1>(state, input, ahead);
-        self.damp_back(state, &gradient);
+        if self.damped {
+            self.damp_back(state, &gradient);
+        }
         self.rotor.straighten(&mut state.rotor, first);
         for ((stage, own), first) in state.stages.iter_mut().zip(&self.stages).zip(firsts) {
             own.friction.straighten(&mut stage.mass, first);
@@ -195,7 +199,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         };
         let rotor = &mut state.rotor;
         let memory = &state.memory;
-        rotor.force = -self.rotor.torque(&rotor.bristle);
         rotor.damping = self.damping(&self.rotor, 0, rotor, memory);
         gradient.rotor = self.rotor.slope(&rotor.bristle);
         if self.effects.has_torque(0) {
@@ -230,7 +233,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *before = *before - torque * felt.leverage;
             let mass = &mut stage.mass;
             speed = mass.speed;
-            mass.force = torque - own.friction.torque(&mass.bristle);
+            mass.force = mass.force + torque;
             mass.damping = self.damping(&own.friction, number, mass, memory);
             *mass_slope = own.friction.slope(&mass.bristle);
             wound = wound + stage.deflection;
