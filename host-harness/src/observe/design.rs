@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use super::linear::{Linear, Order, linearise};
 use super::rating::Rating;
 use super::riccati::{Median, Uncertain, medians};
-use super::twin::{Felt, Twin, twin};
+use super::twin::{Felt, twin};
 use crate::model::Model;
 use crate::plant::{BuildError, Layout};
 
@@ -18,12 +18,12 @@ const SAMPLES: usize = 6000;
 /// What is free in a design, all as shares of ratings and of friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
-    /// Load's walk as a share of the rated load per root second, steady and alert.
-    pub load: [f64; 2],
-    /// Load's slope as a share of the rated load per second, steady and alert.
-    pub slope: [f64; 2],
-    /// Time constant of the slope, s.
-    pub leak_s: f64,
+    /// Load's walk as a share of the rated load per root second: steady, alert, lively.
+    pub load: [f64; 3],
+    /// Load's slope as a share of the rated load per second, the same.
+    pub slope: [f64; 3],
+    /// Time constant of the slope, s, the same.
+    pub leak_s: [f64; 3],
     /// Walk of the missing drive as a share of the rated one per root second.
     pub bias: f64,
     /// Noise on the drive as a share of the rated one.
@@ -38,21 +38,30 @@ pub struct Tuning {
     pub alarm: f64,
     /// How long an alarm holds, s.
     pub hold_s: f64,
+    /// Time constant of the share of alarms, s.
+    pub often_s: f64,
+    /// Share of alarms that makes a load lively.
+    pub often: f64,
+    /// How long a load is lively after that, s.
+    pub lively_s: f64,
 }
 
 impl Default for Tuning {
     fn default() -> Self {
         let mut tuning = Self {
-            load: [0.3, 3.0],
-            slope: [60.0, 300.0],
-            leak_s: 0.02,
-            bias: 0.02,
-            drive: 2e-3,
-            torque: 0.02,
-            bristle: 0.3,
+            load: [0.075, 4.7, 0.06],
+            slope: [25.0, 32.0, 520.0],
+            leak_s: [0.1, 0.035, 0.02],
+            bias: 0.002,
+            drive: 1e-3,
+            torque: 0.012,
+            bristle: 4.0,
             follow_s: 0.001,
-            alarm: 4.0,
-            hold_s: 0.004,
+            alarm: 2.8,
+            hold_s: 0.001,
+            often_s: 0.012,
+            often: 0.2,
+            lively_s: 0.087,
         };
         if let Ok(text) = std::env::var("TUNE") {
             for pair in text.split(',') {
@@ -63,7 +72,14 @@ impl Default for Tuning {
                     "l1" => tuning.load[1] = value,
                     "s0" => tuning.slope[0] = value,
                     "s1" => tuning.slope[1] = value,
-                    "tau" => tuning.leak_s = value,
+                    "l2" => tuning.load[2] = value,
+                    "s2" => tuning.slope[2] = value,
+                    "tau0" => tuning.leak_s[0] = value,
+                    "tau1" => tuning.leak_s[1] = value,
+                    "tau2" => tuning.leak_s[2] = value,
+                    "n" => tuning.often = value,
+                    "nt" => tuning.often_s = value,
+                    "nh" => tuning.lively_s = value,
                     "b" => tuning.bias = value,
                     "d" => tuning.drive = value,
                     "t" => tuning.torque = value,
@@ -114,12 +130,28 @@ pub fn design<const N: usize>(
     rating: &Rating,
     tuning: &Tuning,
 ) -> Result<Design<N>, BuildError> {
+    let mut design = gains(model, kind, step_s, rating, tuning)?;
+    design.spread = super::judge::spread(model, kind, step_s, rating, &design)?;
+    Ok(design)
+}
+
+/// The same without standard deviations, which take the longest.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn gains<const N: usize>(
+    model: &Model,
+    kind: Drive,
+    step_s: f64,
+    rating: &Rating,
+    tuning: &Tuning,
+) -> Result<Design<N>, BuildError> {
     let felt =
         Felt { drive: tuning.drive * rating.drive, torque: tuning.torque * breakaway_nm(model) };
     let sigma = sensors(model);
     let motion = twin(model, kind, step_s, rating, &felt, SAMPLES, 1)?;
     let linear = linearise(model, kind, step_s, &motion, &sigma)?;
-    Ok(assemble(model, kind, step_s, rating, tuning, &motion, &linear))
+    Ok(assemble(model, kind, step_s, rating, tuning, &linear))
 }
 
 fn assemble<const N: usize>(
@@ -128,13 +160,12 @@ fn assemble<const N: usize>(
     step_s: f64,
     rating: &Rating,
     tuning: &Tuning,
-    motion: &Twin,
     linear: &Linear,
 ) -> Design<N> {
     let root = step_s.sqrt();
     let all = sensors(model);
-    let held = settled(&linear.held, 20);
-    let free: Vec<bool> = settled(&linear.held.iter().map(|h| !h).collect::<Vec<_>>(), 20);
+    let held = settled(&linear.held, 3);
+    let free: Vec<bool> = settled(&linear.held.iter().map(|h| !h).collect::<Vec<_>>(), 3);
     let uncertain = |speed: usize, output: bool| Uncertain {
         drive: tuning.drive * rating.drive,
         torque: tuning.torque * breakaway_nm(model),
@@ -145,7 +176,7 @@ fn assemble<const N: usize>(
         ],
         load: tuning.load[speed] * rating.load_nm * root,
         slope: tuning.slope[speed] * rating.load_nm * step_s,
-        leak: (-step_s / tuning.leak_s).exp(),
+        leak: (-step_s / tuning.leak_s[speed]).exp(),
         bias: tuning.bias * rating.drive * root,
         bristle: tuning.bristle * root,
     };
@@ -154,14 +185,27 @@ fn assemble<const N: usize>(
     let mut lean = [[0.0; CHANNELS]; 2];
     for output in [false, true] {
         if output && !all[2].is_finite() {
-            for regime in [Regime::Steady, Regime::Alert, Regime::Held] {
-                sets[regime.row(true)] = sets[regime.row(false)];
+            for regime in [Regime::Steady, Regime::Alert, Regime::Lively, Regime::Held] {
+                for bent in [false, true] {
+                    sets[regime.row(true, bent)] = sets[regime.row(false, bent)];
+                }
             }
             lean[1] = lean[0];
             continue;
         }
-        let slow = medians(linear, &uncertain(0, output), &[free.clone(), held.clone()]);
-        let fast = medians(linear, &uncertain(1, output), &[free.clone()]);
+        let both = |mask: &[bool], bent: bool| -> Vec<bool> {
+            mask.iter().zip(&linear.bent).map(|(m, b)| *m && *b == bent).collect()
+        };
+        let masks = [
+            free.clone(),
+            both(&free, false),
+            both(&free, true),
+            both(&held, false),
+            both(&held, true),
+        ];
+        let slow = medians(linear, &uncertain(0, output), &masks);
+        let fast = medians(linear, &uncertain(1, output), &masks);
+        let lively = medians(linear, &uncertain(2, output), &masks);
         let Some(steady) = slow[0].clone() else { continue };
         if !output || sigma[2] == 1.0 {
             for c in 0..CHANNELS {
@@ -170,28 +214,39 @@ fn assemble<const N: usize>(
                 }
             }
         }
-        let fixed = slow[1].clone().unwrap_or_else(|| steady.clone());
-        let alert = fast[0].clone().unwrap_or_else(|| steady.clone());
-        let rows = [(Regime::Steady, &steady), (Regime::Alert, &alert), (Regime::Held, &fixed)];
-        for (regime, median) in rows {
-            sets[regime.row(output)] = columns(linear.order, median, &sigma);
+        let or = |a: &Option<Median>, b: &Option<Median>| {
+            a.clone().or_else(|| b.clone()).unwrap_or_else(|| steady.clone())
+        };
+        for bent in [false, true] {
+            let k = usize::from(bent);
+            let rows = [
+                (Regime::Steady, or(&slow[1 + k], &slow[0])),
+                (Regime::Alert, or(&fast[1 + k], &fast[0])),
+                (Regime::Lively, or(&lively[1 + k], &lively[0])),
+                (Regime::Held, or(&slow[3 + k], &slow[3])),
+            ];
+            for (regime, median) in rows {
+                sets[regime.row(output, bent)] = columns(linear.order, &median, &sigma);
+            }
         }
-        let leans = sets[Regime::Steady.row(output)].each_ref().map(|column| column.load);
+        let leans = sets[Regime::Steady.row(output, false)].each_ref().map(|column| column.load);
         let size = leans.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300);
         lean[usize::from(output)] = leans.map(|v| v / size);
     }
     let follow = 1.0 - (-step_s / tuning.follow_s).exp();
     let settled = ((0.02 / step_s) as u16).max(50);
-    let _ = motion;
     Design {
         sets,
+        bent: super::linear::bend(model),
         sigma,
         gate: 40.0,
-        leak: (-step_s / tuning.leak_s).exp(),
+        leak: [0, 1, 2, 0].map(|k: usize| (-step_s / tuning.leak_s[k]).exp()),
         lean,
         follow,
         alarm: tuning.alarm * (follow / (2.0 - follow)).sqrt(),
         hold: (tuning.hold_s / step_s).round().max(1.0) as u16,
+        often: 1.0 - (-step_s / tuning.often_s).exp(),
+        lively: (tuning.often, (tuning.lively_s / step_s).round().max(1.0) as u16),
         settled,
         strange: 12.0,
         most_load_nm: 4.0 * rating.load_nm,

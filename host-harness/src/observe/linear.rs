@@ -56,6 +56,8 @@ pub struct Linear {
     pub shows: DMatrix<f64>,
     /// By sample: whether the rotor is held by its friction.
     pub held: Vec<bool>,
+    /// By sample: whether the last spring is bent.
+    pub bent: Vec<bool>,
 }
 
 /// Linearises a model along a motion.
@@ -80,10 +82,15 @@ pub fn linearise(
     let (push, weight) = (1e-4 * most(&twin.drive), 1e-4 * most(&twin.load));
     let mut transition = Vec::with_capacity(samples);
     let mut held = Vec::with_capacity(samples);
+    let mut bent = Vec::with_capacity(samples);
+    let shaft = output_shaft(model);
+    let bend = bend(model) / shaft.abs();
     let mut moved = vec![0.0; layout.len()];
     for k in 0..samples {
         let state = &twin.states[k];
         held.push(is_held(model, state[layout.speed(0)], state[layout.bristle(0)]));
+        let last = layout.stages.checked_sub(1);
+        bent.push(last.is_some_and(|stage| state[layout.deflection(stage)].abs() > bend));
         let mut run = |change: &dyn Fn(&mut [f64]), drive: f64, load: f64| -> Vec<f64> {
             moved.copy_from_slice(state);
             change(&mut moved);
@@ -119,12 +126,11 @@ pub fn linearise(
     let mut shows = DMatrix::zeros(CHANNELS, size);
     shows[(0, Layout::CURRENT)] = 1.0;
     shows[(1, Layout::ANGLE)] = 1.0;
-    let shaft = output_shaft(model);
     shows[(2, Layout::ANGLE)] = shaft;
     for stage in 0..layout.stages {
         shows[(2, layout.deflection(stage))] = -shaft;
     }
-    Ok(Linear { order, transition, kick, shows, held })
+    Ok(Linear { order, transition, kick, shows, held, bent })
 }
 
 /// Small changes of every quantity, of the order of what is known of it.
@@ -153,4 +159,14 @@ fn is_held(model: &Model, speed: f64, zeta: f64) -> bool {
     let bell = (-(speed / friction.stribeck_velocity_rad_per_s).powi(2)).exp();
     let level = 1.0 + friction.stribeck_nm / friction.coulomb_nm * bell;
     1.0 - speed.signum() * zeta / level > 0.5
+}
+
+/// From where on the last spring is bent, rad: its tangent is a quarter stiffer than at rest.
+pub fn bend(model: &Model) -> f64 {
+    match model.stages.last() {
+        Some(stage) if stage.cubic_stiffness_nm_per_rad3 > 0.0 => {
+            (0.25 / 3.0 * stage.stiffness_nm_per_rad / stage.cubic_stiffness_nm_per_rad3).sqrt()
+        }
+        _ => f64::INFINITY,
+    }
 }

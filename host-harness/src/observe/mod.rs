@@ -5,9 +5,11 @@
 //! the result is, from when on a load has changed.
 
 pub mod design;
+pub mod judge;
 pub mod linear;
 pub mod rating;
 pub mod riccati;
 pub mod run;
 pub mod table;
+pub mod truth;
 pub mod twin;

@@ -102,6 +102,7 @@ fn read<S: Scalar, const N: usize>(e: &Estimate<S, N>) -> Found<N> {
             output_velocity: s.output_velocity.to_f64(),
             load: s.load.to_f64(),
         },
+        row: e.row,
         status: e.status,
     };
     let output_angle = (f64::from(e.output_turns) + estimate.output_part) * turn;

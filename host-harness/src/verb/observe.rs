@@ -10,7 +10,7 @@ use serde_json::json;
 use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::log::{Log, Need, compressed};
 use crate::model::Model;
-use crate::observe::design::{Tuning, design};
+use crate::observe::design::{Tuning, design, gains};
 use crate::observe::rating::Rating;
 use crate::observe::run::{Found, Seen, observer, run as run_over};
 use crate::observe::table;
@@ -102,8 +102,11 @@ fn observed_by<const N: usize>(
     }
     if let Some(load) = args.rated_load_nm {
         rating.load_nm = load;
+    } else {
+        rating.load_nm = seen_load::<N>(model, kind, step_s, rating, &samples, &steps)?;
     }
-    let design = design::<N>(model, kind, step_s, &rating, &Tuning::default())?;
+    let tuning = Tuning::default();
+    let design = design::<N>(model, kind, step_s, &rating, &tuning)?;
     let found: Vec<Found<N>> = match args.scalar {
         Scalar::F64 => {
             run_over(&observer::<f64, N>(model, kind, step_s, &design)?, &samples, &steps)
@@ -115,6 +118,31 @@ fn observed_by<const N: usize>(
     let bases = Bases::si(&model.motor, &model.stages);
     let shafts = std::array::from_fn(|k| bases.shaft(k + 1));
     Ok(format!("{}\n{}", table::header(N), table::rows(&log.time_s, &found, &shafts)))
+}
+
+/// The largest load that a log shows to observers designed for less and less, Nm.
+fn seen_load<const N: usize>(
+    model: &Model,
+    kind: Drive,
+    step_s: f64,
+    mut rating: Rating,
+    samples: &[Seen],
+    steps: &[u32],
+) -> Result<f64, BuildError> {
+    for _ in 0..3 {
+        let design = gains::<N>(model, kind, step_s, &rating, &Tuning::default())?;
+        let found = run_over(&observer::<f64, N>(model, kind, step_s, &design)?, samples, steps);
+        let mut loads: Vec<f64> = found.iter().map(|f| f.estimate.load.abs()).collect();
+        loads.sort_by(f64::total_cmp);
+        let most =
+            loads[(loads.len() - 1) * 99 / 100].clamp(0.02 * rating.load_nm, 4.0 * rating.load_nm);
+        let near = (most / rating.load_nm).ln().abs() < 0.3;
+        rating.load_nm = most;
+        if near {
+            break;
+        }
+    }
+    Ok(rating.load_nm)
 }
 
 /// What the observer is given of a log.

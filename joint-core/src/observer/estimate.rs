@@ -32,6 +32,8 @@ pub struct Estimate<S, const N: usize> {
     pub bias: S,
     /// One standard deviation of each.
     pub spread: Spread<S, N>,
+    /// Which row of gains and deviations is in use, as [`Regime::row`](super::Regime::row) counts.
+    pub row: usize,
     /// Health.
     pub status: Status,
 }
@@ -80,6 +82,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 Some(spread) => *spread,
                 None => Spread::filled(S::ZERO),
             },
+            row: usize::from(track.row),
             status: track.status,
         }
     }

@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 /// The measured channels: current, rotor angle, output angle.
 pub const CHANNELS: usize = 3;
 /// Sets of gains: one for each [`Regime`], without and with an output encoder.
-pub const SETS: usize = 2 * Regime::COUNT;
+pub const SETS: usize = 4 * Regime::COUNT;
 
 /// What the joint is doing, as far as gains and standard deviations depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,18 +23,27 @@ pub enum Regime {
     Steady,
     /// The innovations lean to one side: the load has changed.
     Alert,
+    /// The load has kept changing for some time.
+    Lively,
     /// The rotor is held by its own friction; what lies beyond is seen by an output encoder only.
     Held,
 }
 
 impl Regime {
     /// How many there are.
-    pub const COUNT: usize = 3;
+    pub const COUNT: usize = 4;
+
+    /// Whether a row is one with an output encoder.
+    pub const fn sees(row: usize) -> bool {
+        (row / Self::COUNT) % 2 == 1
+    }
 
     /// The set of gains, or row of standard deviations, that belongs to it.
     #[inline(always)]
-    pub const fn row(self, output: bool) -> usize {
-        self as usize + if output { Self::COUNT } else { 0 }
+    pub const fn row(self, output: bool, bent: bool) -> usize {
+        self as usize
+            + if output { Self::COUNT } else { 0 }
+            + if bent { 2 * Self::COUNT } else { 0 }
     }
 }
 
@@ -131,12 +140,14 @@ impl<G: Copy, const N: usize> Spread<G, N> {
 pub struct Design<const N: usize> {
     /// By [`Regime::row`] and channel.
     pub sets: [[Column<f64, N>; CHANNELS]; SETS],
+    /// Wind-up of the last stage from which the gains are those of a bent spring, rad.
+    pub bent: f64,
     /// One standard deviation of the innovations: A, rad of the rotor, rad of the output.
     pub sigma: [f64; CHANNELS],
     /// How many of them a measurement may be off before it is taken for a glitch.
     pub gate: f64,
-    /// Share of the load's slope that is left after a step.
-    pub leak: f64,
+    /// Share of the load's slope that is left after a step, by regime.
+    pub leak: [f64; Regime::COUNT],
     /// Weights that make of the innovations one number of variance one that leans with the load,
     /// without and with an output encoder.
     pub lean: [[f64; CHANNELS]; 2],
@@ -146,6 +157,10 @@ pub struct Design<const N: usize> {
     pub alarm: f64,
     /// How many steps it is then taken to be changing.
     pub hold: u16,
+    /// Share by which the running mean of alarms follows them.
+    pub often: f64,
+    /// From which share of alarms on the load is lively, and for how many steps.
+    pub lively: (f64, u16),
     /// Steps after which a start is forgotten, and over which innovations are judged.
     pub settled: u16,
     /// Mean of the sum of squared innovations, in standard deviations and clipped to 4, from which
@@ -178,12 +193,15 @@ pub(crate) struct Whiten<S: Scalar> {
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Gains<S: Scalar, const N: usize> {
     pub(crate) sets: [[Column<S::Gain, N>; CHANNELS]; SETS],
+    pub(crate) bent: S,
     pub(crate) whiten: [Whiten<S>; CHANNELS],
-    pub(crate) leak: S::Gain,
+    pub(crate) leak: [S::Gain; Regime::COUNT],
     pub(crate) lean: [[S::Gain; CHANNELS]; 2],
     pub(crate) follow: S::Gain,
     pub(crate) alarm: S,
     pub(crate) hold: u16,
+    pub(crate) often: S::Gain,
+    pub(crate) lively: (S, u16),
     pub(crate) settled: u16,
     pub(crate) settle: S::Gain,
     pub(crate) strange: S,
@@ -259,12 +277,15 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
         };
         Self {
             sets: design.sets.each_ref().map(|set| set.each_ref().map(column)),
+            bent: S::from_f64((design.bent / units.angle_at(N)).abs().min(LARGE)),
             whiten,
-            leak: S::gain(design.leak),
+            leak: design.leak.map(S::gain),
             lean: design.lean.map(|row| row.map(S::gain)),
             follow: S::gain(design.follow),
             alarm: S::from_f64(design.alarm),
             hold: design.hold,
+            often: S::gain(design.often),
+            lively: (S::from_f64(design.lively.0), design.lively.1),
             settled: design.settled,
             settle: S::gain(1.0 / f64::from(design.settled.max(2))),
             strange: S::from_f64(design.strange),

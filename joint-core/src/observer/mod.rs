@@ -73,6 +73,11 @@ pub struct Track<S, const N: usize> {
     lean: S,
     /// Steps left in [`Regime::Alert`].
     alert: u16,
+    /// Running share of alarms, and steps left in [`Regime::Lively`].
+    often: S,
+    lively: u16,
+    /// Steps for which friction has held the rotor.
+    held: u16,
     /// Running mean of the innovations' square, and how long it has been too large.
     energy: S,
     /// Rotor angles one after the other that were not believed.
@@ -86,4 +91,5 @@ pub struct Track<S, const N: usize> {
     last: Sample<S>,
     status: Status,
     row: u8,
+    regime: Regime,
 }

@@ -21,6 +21,8 @@ const SILENCE: u16 = 500;
 const OUTPUT_SILENCE: u16 = 3;
 /// Steps over which the first speed is measured where one step is too short for it.
 const FIRST: u16 = 8;
+/// Steps for which friction must have held the rotor before that is a rest and no reversal.
+const STILL: u16 = 10;
 /// Innovations count as these many standard deviations at most in the running mean of squares.
 const CLIP: u8 = 4;
 
@@ -38,6 +40,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             input: Input::default(),
             lean: S::ZERO,
             alert: 0,
+            often: S::ZERO,
+            lively: 0,
+            held: 0,
             energy: S::ZERO,
             doubts: 0,
             missed: 0,
@@ -46,6 +51,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             last: Sample::default(),
             status: Status::LOST,
             row: 0,
+            regime: Regime::Steady,
         }
     }
 
@@ -71,7 +77,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     fn predict(&self, track: &mut Track<S, N>) {
         track.load = track.load + track.slope;
-        track.slope = track.slope.times(self.gains.leak);
+        if let Some(leak) = self.gains.leak.get(track.regime as usize) {
+            track.slope = track.slope.times(*leak);
+        }
         let drive = track.input.drive + track.bias;
         self.joint.step(&mut track.state, Input { drive, load: track.load });
     }
@@ -158,21 +166,28 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         track.lean = track.lean + (lean - track.lean).times(gains.follow);
         track.energy = track.energy + (energy - track.energy).times(gains.settle);
-        if track.lean.abs() > gains.alarm {
-            track.alert = gains.hold;
-        } else {
-            track.alert = track.alert.saturating_sub(1);
-        }
+        let alarm = track.lean.abs() > gains.alarm;
+        track.alert = if alarm { gains.hold } else { track.alert.saturating_sub(1) };
+        let heard = if alarm { S::ONE } else { S::ZERO };
+        track.often = track.often + (heard - track.often).times(gains.often);
+        let (most, hold) = gains.lively;
+        track.lively = if track.often > most { hold } else { track.lively.saturating_sub(1) };
 
         let held = track.state.rotor.bristle.bending > S::HALF;
-        let regime = if track.alert > 0 {
-            Regime::Alert
-        } else if held {
+        let last = track.state.stages.last();
+        let bent = last.is_some_and(|stage| stage.deflection.abs() > gains.bent);
+        let regime = if held {
             Regime::Held
+        } else if track.lively > 0 {
+            Regime::Lively
+        } else if track.alert > 0 {
+            Regime::Alert
         } else {
             Regime::Steady
         };
-        let row = regime.row(seen);
+        track.regime = regime;
+        track.held = if held { track.held.saturating_add(1) } else { 0 };
+        let row = regime.row(seen, bent);
         track.row = row as u8;
         if let Some(set) = gains.sets.get(row) {
             apply(track, set, &found);
@@ -188,7 +203,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             .with_if(load != track.load || bias != track.bias, Status::BOUNDED)
             .with_if(track.energy > gains.strange, Status::MISMATCH)
             .with_if(starting, Status::STARTING)
-            .with_if(regime == Regime::Held && !seen, Status::UNOBSERVABLE)
+            .with_if(track.held > STILL && !seen, Status::UNOBSERVABLE)
             .with_if(track.missed > SILENCE, Status::LOST);
         let sound = track.state.rotor.speed.abs() <= gains.most_speed;
         if !sound || track.doubts > DOUBTS || track.missed > SILENCE {
