@@ -15,6 +15,7 @@ pub mod output;
 pub mod plant;
 pub mod reference;
 pub mod report;
+pub mod reproduce;
 pub mod scenario;
 pub mod score;
 pub mod simulated;

@@ -127,6 +127,16 @@ impl<S: Scalar> Friction<S> {
         mass.force = -(zeta.times(self.level) + standing * self.sigma1);
     }
 
+    /// Friction torque on a mass beside its damping times its speed: the tangent's value at
+    /// standstill.
+    #[inline]
+    pub(crate) fn standing(&self, mass: &Mass<S>) -> S {
+        let zeta = mass.bristle.zeta;
+        let along = if mass.speed < S::ZERO { -zeta } else { zeta };
+        let bent = along * self.curve(mass.speed).steepness * mass.speed;
+        zeta.times(self.level) + bent * self.sigma1
+    }
+
     /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
     /// a = 1 + x/2 + x²/6, `ζ ← (ζ + y a) / (1 + x a)`.
     #[inline(always)]

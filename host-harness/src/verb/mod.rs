@@ -10,6 +10,7 @@ pub mod discover;
 pub mod identify;
 mod load;
 pub mod observe;
+pub mod reproduce;
 pub mod score;
 pub mod simulate;
 
