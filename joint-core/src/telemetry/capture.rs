@@ -1,0 +1,203 @@
+//! The capture ring: raw samples at the full control rate, around a trigger.
+//!
+//! A debugger link carries a fraction of what the control interrupt sees. So the interrupt writes
+//! every sample into a ring; the trigger lets it run on for as long as asked and then stops it, and
+//! the record waits to be fetched at whatever pace the link has. A record is what `joint discover`
+//! reads, so it is never overwritten before it is fetched or given up.
+
+use heapless::{HistoryBuf, Vec};
+
+use super::{CaptureHead, MAX_SAMPLES, Message, Report, Sample, Trigger};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    Idle,
+    Armed { trigger: Trigger, after: u32 },
+    Running { left: u32, after: u32 },
+    Complete { after: u32 },
+}
+
+/// A ring of `LENGTH` samples.
+#[derive(Debug)]
+pub struct Capture<const LENGTH: usize> {
+    ring: HistoryBuf<Sample, LENGTH>,
+    phase: Phase,
+    last_tick: u32,
+    last_speed: f32,
+    sent: Option<u32>,
+}
+
+impl<const LENGTH: usize> Default for Capture<LENGTH> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const LENGTH: usize> Capture<LENGTH> {
+    /// An empty ring that waits to be armed.
+    pub const fn new() -> Self {
+        const { assert!(LENGTH > 0, "a ring holds at least one sample") };
+        Self {
+            ring: HistoryBuf::new(),
+            phase: Phase::Idle,
+            last_tick: 0,
+            last_speed: 0.0,
+            sent: None,
+        }
+    }
+
+    /// Forgets what was captured and waits for a trigger; from it on, `after` samples are taken, at
+    /// least the triggering one and at most the ring's length. What was there before fills the rest.
+    pub fn arm(&mut self, trigger: Trigger, after: u32) {
+        self.disarm();
+        let after = after.clamp(1, LENGTH as u32);
+        self.phase = Phase::Armed { trigger, after };
+    }
+
+    /// Forgets what was captured and takes nothing more.
+    pub fn disarm(&mut self) {
+        self.ring.clear();
+        self.phase = Phase::Idle;
+        self.sent = None;
+    }
+
+    /// Whether a record is complete.
+    pub fn is_complete(&self) -> bool {
+        matches!(self.phase, Phase::Complete { .. })
+    }
+
+    /// Takes in a control period.
+    pub fn take(&mut self, report: &Report) {
+        let speed = report.estimates.motor_velocity_rad_per_s;
+        let reversed = speed * self.last_speed < 0.0;
+        if speed != 0.0 {
+            self.last_speed = speed;
+        }
+        if let Phase::Armed { trigger, after } = self.phase
+            && match trigger {
+                Trigger::Now => true,
+                Trigger::CurrentAbove(amperes) => report.sample.current_a.abs() > amperes,
+                Trigger::Status(mask) => report.status.meets(mask),
+                Trigger::Reversal => reversed,
+            }
+        {
+            self.phase = Phase::Running { left: after, after };
+        }
+        match self.phase {
+            Phase::Idle | Phase::Complete { .. } => return,
+            Phase::Armed { .. } => {}
+            Phase::Running { left, after } => {
+                self.phase = match left {
+                    0 | 1 => Phase::Complete { after },
+                    more => Phase::Running { left: more - 1, after },
+                };
+            }
+        }
+        self.last_tick = report.tick;
+        self.ring.write(report.sample);
+    }
+
+    /// Starts sending the record from its beginning; nothing where it is not complete.
+    pub fn fetch(&mut self) -> Option<CaptureHead> {
+        let Phase::Complete { after } = self.phase else { return None };
+        self.sent = Some(0);
+        let samples = self.ring.len() as u32;
+        Some(CaptureHead {
+            samples,
+            trigger_at: samples.saturating_sub(after),
+            first_tick: self.last_tick.wrapping_sub(samples.saturating_sub(1)),
+        })
+    }
+
+    /// The next part of the record that is being sent; `None` when it is all sent.
+    pub fn next(&mut self) -> Option<Message> {
+        let first = self.sent?;
+        let left = self.ring.oldest_ordered().skip(first as usize).take(MAX_SAMPLES);
+        let samples: Vec<Sample, MAX_SAMPLES> = left.copied().collect();
+        if samples.is_empty() {
+            self.sent = None;
+            return None;
+        }
+        self.sent = Some(first + samples.len() as u32);
+        Some(Message::Samples(first, samples))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Quantities, Status};
+    use super::*;
+
+    const LENGTH: usize = 32;
+
+    fn report(tick: u32) -> Report {
+        let sample = Sample {
+            current_a: if tick == 50 { -3.0 } else { 0.5 },
+            motor_counts: tick as i32,
+            ..Sample::default()
+        };
+        let speed = if tick < 60 { 1.0 } else { -1.0 };
+        Report {
+            tick,
+            sample,
+            status: if tick == 55 { Status::LATE } else { Status::default() },
+            estimates: Quantities { motor_velocity_rad_per_s: speed, ..Quantities::default() },
+            ..Report::default()
+        }
+    }
+
+    fn record(trigger: Trigger, after: u32) -> Option<(CaptureHead, std::vec::Vec<i32>)> {
+        let mut capture = Capture::<LENGTH>::new();
+        capture.arm(trigger, after);
+        for tick in 0..100 {
+            assert_eq!(capture.fetch().is_some(), capture.is_complete());
+            capture.take(&report(tick));
+        }
+        let head = capture.fetch()?;
+        let mut all = vec![];
+        while let Some(Message::Samples(first, samples)) = capture.next() {
+            assert_eq!(first as usize, all.len());
+            all.extend(samples.iter().map(|sample| sample.motor_counts));
+        }
+        Some((head, all))
+    }
+
+    #[test]
+    fn the_record_stands_around_its_trigger() {
+        for (trigger, at) in [
+            (Trigger::CurrentAbove(2.0), 50),
+            (Trigger::Status(Status::LATE), 55),
+            (Trigger::Reversal, 60),
+        ] {
+            let (head, record) = record(trigger, 10).unwrap();
+            assert_eq!((head.samples, head.trigger_at), (32, 22));
+            assert_eq!(head.first_tick, at - 22);
+            assert_eq!(record, (at as i32 - 22..at as i32 + 10).collect::<std::vec::Vec<i32>>());
+        }
+    }
+
+    #[test]
+    fn a_trigger_at_once_has_nothing_before_it_and_one_that_never_comes_no_record() {
+        let (head, all) = record(Trigger::Now, 10).unwrap();
+        assert_eq!(head, CaptureHead { samples: 10, trigger_at: 0, first_tick: 0 });
+        assert_eq!(all, (0..10).collect::<std::vec::Vec<i32>>());
+        assert_eq!(record(Trigger::Now, 1_000).unwrap().1.len(), LENGTH);
+        assert_eq!(record(Trigger::CurrentAbove(9.0), 10), None);
+    }
+
+    #[test]
+    fn a_record_waits_until_it_is_fetched_or_given_up() {
+        let mut capture = Capture::<LENGTH>::new();
+        capture.arm(Trigger::Now, 5);
+        for tick in 0..100 {
+            capture.take(&report(tick));
+        }
+        for _ in 0..2 {
+            assert_eq!(capture.fetch().map(|head| head.samples), Some(5));
+            assert!(matches!(capture.next(), Some(Message::Samples(0, _))));
+            assert_eq!(capture.next(), None);
+        }
+        capture.disarm();
+        assert_eq!(capture.fetch(), None);
+    }
+}
