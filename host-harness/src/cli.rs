@@ -42,6 +42,7 @@ verbs! {
     Discover => discover,
     Score => score,
     Demo => demo,
+    Export => export,
 }
 
 /// Runs the command line of this process.

@@ -5,6 +5,7 @@ pub mod cross_check;
 pub mod demo;
 pub mod discover;
 pub mod estimate;
+pub mod export;
 pub mod fault;
 pub mod inputs;
 pub mod log;

@@ -58,6 +58,7 @@ pub mod joint;
 pub mod motor;
 pub mod params;
 pub mod per_unit;
+mod readout;
 pub mod scalar;
 mod step;
 pub mod telemetry;

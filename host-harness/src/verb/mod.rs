@@ -7,6 +7,7 @@
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
+pub mod export;
 pub mod identify;
 mod load;
 pub mod score;
@@ -92,5 +93,13 @@ impl Failure {
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
         Self::input(error.to_string())
+    }
+}
+
+/// A number above zero, on the command line.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a number above zero".to_owned()),
     }
 }

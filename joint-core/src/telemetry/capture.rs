@@ -17,6 +17,13 @@ enum Phase {
     Complete { after: u32 },
 }
 
+/// How much of the record was sent.
+#[derive(Clone, Copy, Debug)]
+enum Sent {
+    Nothing,
+    Samples(u32),
+}
+
 /// A ring of `LENGTH` samples.
 #[derive(Debug)]
 pub struct Capture<const LENGTH: usize> {
@@ -24,7 +31,7 @@ pub struct Capture<const LENGTH: usize> {
     phase: Phase,
     last_tick: u32,
     last_speed: f32,
-    sent: Option<u32>,
+    sent: Option<Sent>,
 }
 
 impl<const LENGTH: usize> Default for Capture<LENGTH> {
@@ -98,28 +105,43 @@ impl<const LENGTH: usize> Capture<LENGTH> {
     }
 
     /// Starts sending the record from its beginning; nothing where it is not complete.
-    pub fn fetch(&mut self) -> Option<CaptureHead> {
-        let Phase::Complete { after } = self.phase else { return None };
-        self.sent = Some(0);
-        let samples = self.ring.len() as u32;
-        Some(CaptureHead {
-            samples,
-            trigger_at: samples.saturating_sub(after),
-            first_tick: self.last_tick.wrapping_sub(samples.saturating_sub(1)),
-        })
+    pub fn fetch(&mut self) {
+        if self.is_complete() {
+            self.sent = Some(Sent::Nothing);
+        }
     }
 
-    /// The next part of the record that is being sent; `None` when it is all sent.
-    pub fn next(&mut self) -> Option<Message> {
-        let first = self.sent?;
-        let left = self.ring.oldest_ordered().skip(first as usize).take(MAX_SAMPLES);
-        let samples: Vec<Sample, MAX_SAMPLES> = left.copied().collect();
-        if samples.is_empty() {
-            self.sent = None;
-            return None;
-        }
-        self.sent = Some(first + samples.len() as u32);
-        Some(Message::Samples(first, samples))
+    /// The next part of the record that is being sent, its head first; the same one again until it
+    /// [was sent](Capture::sent), and `None` when there is no more.
+    pub fn pending(&self) -> Option<Message> {
+        let (sent, Phase::Complete { after }) = (self.sent?, self.phase) else { return None };
+        let samples = self.ring.len() as u32;
+        let first = match sent {
+            Sent::Nothing => {
+                return Some(Message::CaptureHead(CaptureHead {
+                    samples,
+                    trigger_at: samples.saturating_sub(after),
+                    first_tick: self.last_tick.wrapping_sub(samples.saturating_sub(1)),
+                }));
+            }
+            Sent::Samples(first) => first,
+        };
+        let (older, newer) = self.ring.as_slices();
+        let at = first as usize;
+        let older_left = older.get(at..).unwrap_or_default();
+        let newer_left = newer.get(at.saturating_sub(older.len())..).unwrap_or_default();
+        let left = older_left.iter().chain(newer_left).take(MAX_SAMPLES);
+        Some(Message::Samples(first, left.copied().collect::<Vec<Sample, MAX_SAMPLES>>()))
+    }
+
+    /// Goes on to the next part.
+    pub fn sent(&mut self) {
+        let next = match self.sent {
+            None => return,
+            Some(Sent::Nothing) => 0,
+            Some(Sent::Samples(first)) => first + MAX_SAMPLES as u32,
+        };
+        self.sent = (next < self.ring.len() as u32).then_some(Sent::Samples(next));
     }
 }
 
@@ -150,16 +172,27 @@ mod tests {
         let mut capture = Capture::<LENGTH>::new();
         capture.arm(trigger, after);
         for tick in 0..100 {
-            assert_eq!(capture.fetch().is_some(), capture.is_complete());
             capture.take(&report(tick));
         }
-        let head = capture.fetch()?;
-        let mut all = vec![];
-        while let Some(Message::Samples(first, samples)) = capture.next() {
-            assert_eq!(first as usize, all.len());
-            all.extend(samples.iter().map(|sample| sample.motor_counts));
+        sent(&mut capture)
+    }
+
+    fn sent(capture: &mut Capture<LENGTH>) -> Option<(CaptureHead, std::vec::Vec<i32>)> {
+        capture.fetch();
+        let (mut head, mut all) = (None, vec![]);
+        while let Some(message) = capture.pending() {
+            assert_eq!(capture.pending().as_ref(), Some(&message));
+            capture.sent();
+            match message {
+                Message::CaptureHead(own) => head = Some(own),
+                Message::Samples(first, samples) => {
+                    assert_eq!(first as usize, all.len());
+                    all.extend(samples.iter().map(|sample| sample.motor_counts));
+                }
+                other => panic!("{other:?}"),
+            }
         }
-        Some((head, all))
+        Some((head?, all))
     }
 
     #[test]
@@ -193,11 +226,9 @@ mod tests {
             capture.take(&report(tick));
         }
         for _ in 0..2 {
-            assert_eq!(capture.fetch().map(|head| head.samples), Some(5));
-            assert!(matches!(capture.next(), Some(Message::Samples(0, _))));
-            assert_eq!(capture.next(), None);
+            assert_eq!(sent(&mut capture).unwrap().1, [0, 1, 2, 3, 4]);
         }
         capture.disarm();
-        assert_eq!(capture.fetch(), None);
+        assert_eq!(sent(&mut capture), None);
     }
 }

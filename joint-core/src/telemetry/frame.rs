@@ -263,8 +263,13 @@ mod tests {
         ] {
             all.push(Message::Command(Command::Arm { trigger, after: 100 }));
         }
-        let commands =
-            [Command::Hello, Command::Rate(20), Command::Fetch, Command::Disarm, Command::Duty(0.5)];
+        let commands = [
+            Command::Hello,
+            Command::Rate(20),
+            Command::Fetch,
+            Command::Disarm,
+            Command::Duty(0.5),
+        ];
         all.extend(commands.map(Message::Command));
         all
     }

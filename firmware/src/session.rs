@@ -1,0 +1,190 @@
+//! A drive in operation: control, commands, telemetry and capture, as the control interrupt runs
+//! them.
+//!
+//! The interrupt owns all of it; the task that talks to the outside sees two queues only, commands
+//! in and messages out. So nothing is locked, the control period never waits, and what does not fit
+//! into the queue is dropped and counted.
+
+use heapless::spsc::Producer;
+use joint_core::telemetry::capture::Capture;
+use joint_core::telemetry::{Command, Hello, Message, Mode, Report, Sample, Status};
+
+use crate::block::{Block, BlockError};
+use crate::control::Control;
+use crate::parameters::{Parameters, Sensing};
+
+/// Samples in the capture ring: 51 ms at 20 kHz, and half the RAM.
+pub const CAPTURE_SAMPLES: usize = 1024;
+/// Control periods between two reports until a command changes it: 1 kHz at 20 kHz.
+pub const DEFAULT_RATE: u16 = 20;
+
+/// The joint that a drive without parameters listens with: a small motor without gear, of a
+/// resistance, inertia and friction that are those of no one in particular. `tests/tests/block.rs`
+/// says what it is and that these bytes are it.
+const DEFAULT_BLOCK: &[u8] = include_bytes!("default.block");
+
+/// The joint in operation, of as many stages as its block says.
+#[derive(Debug)]
+enum Joint {
+    None(Control<0>),
+    One(Control<1>),
+    Two(Control<2>),
+    Three(Control<3>),
+}
+
+impl Joint {
+    fn read(block: &Block<'_>, standing: Status) -> Result<Self, BlockError> {
+        Ok(match block.stages {
+            0 => Self::None(Control::new(Parameters::read(block)?, standing)),
+            1 => Self::One(Control::new(Parameters::read(block)?, standing)),
+            2 => Self::Two(Control::new(Parameters::read(block)?, standing)),
+            3 => Self::Three(Control::new(Parameters::read(block)?, standing)),
+            more => return Err(BlockError::Stages(more)),
+        })
+    }
+
+    #[inline]
+    fn tick(&mut self, sample: Sample, missed: u32) -> Report {
+        match self {
+            Self::None(control) => control.tick(sample, missed),
+            Self::One(control) => control.tick(sample, missed),
+            Self::Two(control) => control.tick(sample, missed),
+            Self::Three(control) => control.tick(sample, missed),
+        }
+    }
+
+    fn sensing(&self) -> &Sensing {
+        match self {
+            Self::None(control) => control.sensing(),
+            Self::One(control) => control.sensing(),
+            Self::Two(control) => control.sensing(),
+            Self::Three(control) => control.sensing(),
+        }
+    }
+}
+
+/// A drive in operation.
+#[derive(Debug)]
+pub struct Session {
+    joint: Joint,
+    hello: Hello,
+    capture: Capture<CAPTURE_SAMPLES>,
+    every: u16,
+    since: u16,
+    hello_due: bool,
+    dropped: u32,
+    dropped_told: u32,
+}
+
+impl Session {
+    /// Starts with the parameters in this flash page, or, where they are refused, with the
+    /// documented defaults, in listen-only; the refusal is given back beside it, to be told.
+    ///
+    /// # Errors
+    /// The default block itself is refused: a program that was built wrongly.
+    pub fn start(page: &[u8]) -> Result<(Self, Option<BlockError>), BlockError> {
+        let read = Block::in_page(page).and_then(|block| {
+            Ok((Joint::read(&block, Status::default())?, block, Mode::Parameters))
+        });
+        let ((joint, block, mode), refusal) = match read {
+            Ok(accepted) => (accepted, None),
+            Err(refusal) => {
+                let block = Block::check(DEFAULT_BLOCK)?;
+                let joint = Joint::read(&block, Status::DEFAULTS)?;
+                ((joint, block, Mode::Defaults), Some(refusal))
+            }
+        };
+        let sensing = joint.sensing();
+        let hello = Hello {
+            mode,
+            refusal: refusal.map_or(0, |refusal| refusal.code()),
+            stages: block.stages,
+            block_version: block.version,
+            parameters_crc: block.crc,
+            sample_time_s: sensing.sample_time_s,
+            motor_counts_per_turn: sensing.motor_counts_per_turn,
+            output_counts_per_turn: sensing.output_counts_per_turn,
+            capture_samples: CAPTURE_SAMPLES as u32,
+        };
+        let session = Self {
+            joint,
+            hello,
+            capture: Capture::new(),
+            every: DEFAULT_RATE,
+            since: 0,
+            hello_due: true,
+            dropped: 0,
+            dropped_told: 0,
+        };
+        Ok((session, refusal))
+    }
+
+    /// What this drive says of itself.
+    pub fn hello(&self) -> &Hello {
+        &self.hello
+    }
+
+    /// The drive's sensors.
+    pub fn sensing(&self) -> &Sensing {
+        self.joint.sensing()
+    }
+
+    /// Carries out a command; [`Command::Duty`] is the output stage's and not taken here.
+    pub fn command(&mut self, command: Command) {
+        match command {
+            Command::Hello => self.hello_due = true,
+            Command::Rate(every) => {
+                self.every = every;
+                self.since = 0;
+            }
+            Command::Arm { trigger, after } => self.capture.arm(trigger, after),
+            Command::Disarm => self.capture.disarm(),
+            Command::Fetch => self.capture.fetch(),
+            // The output stage's own.
+            _ => {}
+        }
+    }
+
+    /// One control period: `missed` were lost before it, `flags` are the board's own. At most one
+    /// message goes out.
+    #[inline]
+    pub fn tick(
+        &mut self,
+        sample: Sample,
+        missed: u32,
+        flags: Status,
+        out: &mut Producer<'_, Message>,
+    ) -> Report {
+        let mut report = self.joint.tick(sample, missed);
+        report.status = report.status.with(flags);
+        self.capture.take(&report);
+        self.since = self.since.saturating_add(1);
+        if self.every != 0 && self.since >= self.every {
+            self.since = 0;
+            if out.enqueue(Message::Report(report)).is_err() {
+                self.dropped = self.dropped.wrapping_add(1);
+            }
+        } else if out.ready() {
+            self.send_other(out);
+        }
+        report
+    }
+
+    /// What is less urgent than a report, into a queue that has room.
+    fn send_other(&mut self, out: &mut Producer<'_, Message>) {
+        let message = if self.hello_due {
+            self.hello_due = false;
+            Message::Hello(self.hello)
+        } else if self.dropped != self.dropped_told {
+            self.dropped_told = self.dropped;
+            Message::Dropped(self.dropped)
+        } else if let Some(part) = self.capture.pending() {
+            self.capture.sent();
+            part
+        } else {
+            return;
+        };
+        // There is room.
+        let _ = out.enqueue(message);
+    }
+}
