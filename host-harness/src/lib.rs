@@ -4,6 +4,7 @@ pub mod cli;
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
+pub mod encoders;
 pub mod estimate;
 pub mod export;
 pub mod fault;

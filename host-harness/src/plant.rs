@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 
 use joint_core::angle::Angle;
-use joint_core::effect::EffectSet;
+use joint_core::effect::{EffectSet, MEMORIES};
 use joint_core::joint::{Drive, Joint, Mass, Settings, StageState, State};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::{Bases, reflected_inertia};
@@ -82,12 +82,15 @@ pub enum BuildError {
 }
 
 /// A joint with its state as a plain vector, reflected to the motor:
-/// `[current A, angle rad, deflections rad…, speeds rad/s…, bristle ζ…]`.
+/// `[current A, angle rad, deflections rad…, speeds rad/s…, bristle ζ…, memories…]`.
 pub trait Plant: Send + Sync {
     /// Advances a state over the interval after sample `k`; `drive` in V or A, `load` in Nm.
     fn propagate(&self, k: usize, state: &mut [f64], drive: f64, load: f64);
     /// What the current sensor shows, A, when this flows.
     fn measured_current(&self, current: f64) -> f64;
+    /// What an encoder shows beside the angle of its shaft, rad, from that angle and its speed:
+    /// the motor's, or the output's.
+    fn encoder_error(&self, output: bool, angle: f64, speed: f64) -> f64;
     /// Micro-steps in the interval after sample `k`.
     fn micro_steps(&self, k: usize) -> u32;
 }
@@ -97,9 +100,17 @@ pub trait Plant: Send + Sync {
 pub struct Layout {
     /// Number of stages.
     pub stages: usize,
+    /// Number of effects that remember something.
+    pub memories: usize,
 }
 
 impl Layout {
+    /// Of a model.
+    pub fn of(model: &Model) -> Self {
+        let remembering = model.effects.iter().filter(|effect| effect.kind.remembers());
+        Self { stages: model.stages.len(), memories: remembering.count() }
+    }
+
     /// Current, A.
     pub const CURRENT: usize = 0;
     /// Rotor angle, rad.
@@ -107,7 +118,7 @@ impl Layout {
 
     /// Length of the vector.
     pub const fn len(self) -> usize {
-        4 + 3 * self.stages
+        4 + 3 * self.stages + self.memories
     }
 
     /// Always false: there is a rotor.
@@ -128,6 +139,11 @@ impl Layout {
     /// Bristle of a mass.
     pub const fn bristle(self, mass: usize) -> usize {
         3 + 2 * self.stages + mass
+    }
+
+    /// What an effect remembers, in the order of the model's effects that do.
+    pub const fn memory(self, slot: usize) -> usize {
+        4 + 3 * self.stages + slot
     }
 }
 
@@ -166,13 +182,17 @@ fn unpack<S: Scalar, const N: usize, E: joint_core::effect::Effects<S>>(
     joint: &Joint<S, N, E>,
     flat: &[f64],
 ) -> State<S, N> {
-    let layout = Layout { stages: N };
+    let layout = Layout { stages: N, memories: 0 };
     let mut state = State {
         current: S::ZERO,
         angle: Angle::from_turns(flat[Layout::ANGLE] / std::f64::consts::TAU),
         rotor: Mass::default(),
         stages: [StageState::default(); N],
+        memory: [S::ZERO; MEMORIES],
     };
+    for (memory, value) in state.memory.iter_mut().zip(flat.iter().skip(layout.len())) {
+        *memory = S::from_f64(*value);
+    }
     joint.set_current(&mut state, flat[Layout::CURRENT]);
     for stage in 0..N {
         joint.set_deflection(&mut state, stage, flat[layout.deflection(stage)]);
@@ -190,7 +210,10 @@ fn pack<S: Scalar, const N: usize, E: joint_core::effect::Effects<S>>(
     state: &State<S, N>,
     flat: &mut [f64],
 ) {
-    let layout = Layout { stages: N };
+    let layout = Layout { stages: N, memories: 0 };
+    for (value, memory) in flat.iter_mut().skip(layout.len()).zip(&state.memory) {
+        *value = memory.to_f64();
+    }
     flat[Layout::CURRENT] = joint.current(state).to_f64();
     flat[Layout::ANGLE] = state.angle.to_turns() * std::f64::consts::TAU;
     for stage in 0..N {
@@ -212,6 +235,10 @@ impl<const N: usize> Plant for Built<f64, N> {
 
     fn measured_current(&self, current: f64) -> f64 {
         self.joints[0].measured(current)
+    }
+
+    fn encoder_error(&self, output: bool, angle: f64, speed: f64) -> f64 {
+        self.joints[0].encoder_error(output, angle, speed)
     }
 
     fn micro_steps(&self, k: usize) -> u32 {

@@ -1,6 +1,8 @@
 //! A simulation as the columns of a log, with every state beside them.
 
+use crate::encoders;
 use crate::log::{CURRENT, Log, MOTOR_ANGLE, OUTPUT_ANGLE};
+use crate::model::Model;
 use crate::plant::{Snapshot, StageSnapshot};
 
 /// The log's own columns, with simulated current and angles for the measured ones, then every
@@ -9,17 +11,17 @@ use crate::plant::{Snapshot, StageSnapshot};
 /// The states are `current_a`, `motor_speed_rad_per_s`, `motor_bristle`, and of each stage
 /// `stageK_angle_rad`, `stageK_speed_rad_per_s`, `stageK_windup_rad` and `stageK_bristle`, angles
 /// and speeds at the stage's own side.
-pub fn columns(log: &Log, snapshots: &[Snapshot]) -> Vec<(String, Vec<f64>)> {
+pub fn columns(model: &Model, log: &Log, snapshots: &[Snapshot]) -> Vec<(String, Vec<f64>)> {
     let all = |of: &dyn Fn(&Snapshot) -> f64| snapshots.iter().map(of).collect::<Vec<f64>>();
-    let output = |s: &Snapshot| s.stages.last().map_or(s.motor_angle_rad, |stage| stage.angle_rad);
+    let shown = encoders::shown(model, &log.time_s, snapshots);
     let mut columns: Vec<(String, Vec<f64>)> = log
         .columns()
         .into_iter()
         .map(|(name, measured)| {
             let values = match name {
                 CURRENT if log.voltage_v.is_some() => all(&|s| s.measured_current_a),
-                MOTOR_ANGLE => all(&|s| s.motor_angle_rad),
-                OUTPUT_ANGLE => all(&output),
+                MOTOR_ANGLE => shown.motor.clone(),
+                OUTPUT_ANGLE => shown.output.clone(),
                 _ => measured.to_vec(),
             };
             (name.to_owned(), values)

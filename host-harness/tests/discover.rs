@@ -15,7 +15,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
 fn experiment() -> Experiment {
-    Experiment { duration_s: 1.2, stribeck_exponent: 1.8, ..Experiment::default() }
+    Experiment { duration_s: 2.0, stribeck_exponent: 1.8, ..Experiment::default() }
 }
 
 fn found(nominal: &Model, log: Log) -> Findings {
@@ -75,7 +75,7 @@ fn a_refit_recovers_what_the_log_determines() {
     let log = record(&truth, &experiment(), 43).unwrap();
     let record = Record::new(&log, Some(2));
     let mask = vec![1.0; record.len()];
-    let fit = refit(&Problem { record: &record, mask: &mask }, &nominal).unwrap();
+    let fit = refit(&Problem::new(&record, &mask), &nominal).unwrap();
     for quantity in [
         Quantity::Resistance,
         Quantity::TorqueConstant,

@@ -152,7 +152,10 @@ fn a_required_key_left_out_is_named_at_its_table() {
 fn an_effect_of_unknown_kind_or_in_the_wrong_place_is_shown() {
     let kind = error("cogging", "coging");
     assert!(kind.starts_with("arm.toml:12:8: unknown kind `coging`"), "{kind}");
-    assert!(kind.contains("help: the kinds are: asymmetric-friction, backlash, cogging"), "{kind}");
+    assert!(
+        kind.contains("help: the kinds are: asymmetric-friction, backlash, coating, cogging"),
+        "{kind}"
+    );
     let place = error("\"motor\"", "\"rotor\"");
     assert!(place.starts_with("arm.toml:13:12: unknown location `rotor`"), "{place}");
     assert_eq!(

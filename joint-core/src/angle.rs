@@ -73,6 +73,12 @@ impl<S: Scalar> Ratio<S> {
     pub fn of(&self, angle: Angle<S>) -> S {
         S::wrapped_turns(angle.whole, self.per_turn, angle.part, self.per_part)
     }
+
+    /// The product with all its turns.
+    #[inline]
+    pub fn wide(&self, angle: Angle<S>) -> S {
+        S::wide_turns(angle.whole, angle.part, self.per_part)
+    }
 }
 
 #[cfg(test)]

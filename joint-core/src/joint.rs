@@ -5,7 +5,7 @@
 //! reflected to the motor, as the state is in per-unit; the load is the output's own.
 
 use crate::angle::{Angle, Ratio};
-use crate::effect::{EffectParameters, EffectSet, Effects};
+use crate::effect::{EffectParameters, EffectSet, Effects, MEMORIES, Memory};
 use crate::friction::{Bristle, Friction};
 use crate::gear::Spring;
 use crate::motor::RotorKick;
@@ -52,6 +52,14 @@ pub(crate) struct StageConstants<S: Scalar> {
     pub(crate) shaft: Ratio<S>,
 }
 
+impl<S: Scalar> StageConstants<S> {
+    /// Angle of this mass modulo its own turns, from its angle at the motor.
+    #[inline(always)]
+    pub(crate) fn own_angle(&self, at_motor: Angle<S>) -> Angle<S> {
+        Angle { part: self.shaft.of(at_motor), ..Angle::default() }
+    }
+}
+
 /// A joint of `N` stages with effects `E`, ready to step.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -62,6 +70,10 @@ pub struct Joint<S: Scalar, const N: usize, E = ()> {
     pub(crate) half_drift: S::Gain,
     /// Turns per speed over half a micro-step.
     pub(crate) half_turn: S::Gain,
+    /// One.
+    pub(crate) whole_turn: Ratio<S>,
+    /// Turns per speed over the first kick; half of what the middle one takes to either side.
+    pub(crate) kick_turn: S::Gain,
     /// Turns per unit of deflection.
     pub(crate) turns: S::Gain,
     pub(crate) rotor: Friction<S>,
@@ -74,6 +86,7 @@ pub struct Joint<S: Scalar, const N: usize, E = ()> {
     per_drive: S::Gain,
     per_load: S::Gain,
     pub(crate) current_imposed: bool,
+    output_shaft: f64,
     pub(crate) units: Units<S>,
 }
 
@@ -122,6 +135,8 @@ pub struct State<S, const N: usize> {
     pub rotor: Mass<S>,
     /// The stages, from the motor on.
     pub stages: [StageState<S>; N],
+    /// What effects remember.
+    pub memory: Memory<S>,
 }
 
 /// What acts on a joint for one step, per-unit: made by [`Joint::input`].
@@ -182,11 +197,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     ) -> Result<Self, ParameterError> {
         params::validate(motor, stages, load)?;
         params::validate_drive(motor, settings.drive == Drive::Voltage, settings.step_s)?;
-        let bases = Bases::of(motor, stages, settings.step_s);
+        let mut bases = Bases::of(motor, stages, settings.step_s);
         let found = micro_steps(motor, stages, load, settings.step_s);
         let micro_steps = settings.micro_steps.unwrap_or(found).clamp(1, MAX_MICRO_STEPS);
         let step = settings.step_s / f64::from(micro_steps);
         let half = step / 2.0;
+        bases.half_step = half;
         let Bases { torque, speed, angle, current, resistance, .. } = bases;
         let inertia = |mass| reflected_inertia(motor, stages, load, mass);
         let gamma = |inertia: f64| S::gain(step * step / (24.0 * inertia) * torque / angle);
@@ -220,6 +236,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             micro_steps,
             half_drift: S::gain(half * speed / angle),
             half_turn: S::gain(half * speed / core::f64::consts::TAU),
+            whole_turn: Ratio::new(1.0),
+            kick_turn: S::gain(OUTER * step * speed / core::f64::consts::TAU),
             turns: S::gain(angle / core::f64::consts::TAU),
             rotor: friction(0),
             rotor_gamma: gamma(inertia(0)),
@@ -233,6 +251,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             }),
             per_load: S::gain(bases.shaft(N) / torque),
             current_imposed: settings.drive == Drive::Current,
+            output_shaft: bases.shaft(N),
             units: Units {
                 current: S::gain(current),
                 speed: S::gain(speed),
@@ -257,6 +276,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             angle: Angle::default(),
             rotor: Mass::default(),
             stages: [StageState::default(); N],
+            memory: [S::ZERO; MEMORIES],
         };
         self.refresh(&mut state);
         state
@@ -333,6 +353,16 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         if let Some(stage) = state.stages.get_mut(stage) {
             stage.deflection = S::from_f64(rad * self.units.per_angle);
         }
+    }
+
+    /// What an encoder shows beside the angle of its shaft, rad there: the motor's, or the one
+    /// behind the last stage.
+    pub fn encoder_error(&self, output: bool, angle_rad: f64, speed_rad_per_s: f64) -> f64 {
+        let turn = core::f64::consts::TAU;
+        let shaft = if output { self.output_shaft } else { 1.0 };
+        let speed = S::from_f64(speed_rad_per_s / shaft * self.units.per_speed);
+        let angle = Angle::from_turns(angle_rad / turn);
+        self.effects.encoder_error(output, angle, speed).to_f64() * turn
     }
 
     fn mass<'a>(&self, state: &'a State<S, N>, mass: usize) -> Option<&'a Mass<S>> {

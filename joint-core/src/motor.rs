@@ -36,6 +36,19 @@ pub(crate) struct RotorKick<S: Scalar> {
     approach: S,
     after: S::Gain,
     before: S::Gain,
+    /// Share of the starting current in its mean over the kick.
+    mean: S::Gain,
+    /// Current that a speed's back-EMF drives, at rest of the current.
+    back_emf: S::Gain,
+}
+
+/// A change of the current over a kick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Followed<S> {
+    /// Its mean.
+    pub(crate) mean: S,
+    /// At the end.
+    pub(crate) end: S,
 }
 
 impl<S: Scalar> RotorKick<S> {
@@ -71,6 +84,11 @@ impl<S: Scalar> RotorKick<S> {
             approach: S::from_f64(1.0 - decay),
             after: S::gain(after * speed / current),
             before: S::gain(before * speed / current),
+            mean: S::gain(integral / duration),
+            back_emf: S::gain(match drive {
+                Drive::Voltage => constant / resistance * speed / current,
+                Drive::Current => 0.0,
+            }),
         }
     }
 
@@ -78,6 +96,30 @@ impl<S: Scalar> RotorKick<S> {
     #[inline(always)]
     pub(crate) fn approach(&self) -> S {
         self.approach
+    }
+
+    /// Current that the back-EMF takes from the one that the voltage drives.
+    #[inline(always)]
+    pub(crate) fn induced_current(&self, speed: S) -> S {
+        speed.times(self.back_emf)
+    }
+
+    /// What an EMF beside the plain one does to the current, from its value at either end of the
+    /// kick, given as a speed.
+    #[inline(always)]
+    pub(crate) fn followed(&self, [from, to]: [S; 2]) -> Followed<S> {
+        let settled = -self.induced_current((from + to) * S::HALF);
+        Followed {
+            mean: settled - settled.times(self.mean),
+            end: from.times(self.before) - to.times(self.after),
+        }
+    }
+
+    /// Mean current over the kick, at constant speed.
+    #[inline(always)]
+    pub(crate) fn mean_current(&self, speed: S, current: S, drive: S) -> S {
+        let settled = drive - self.induced_current(speed);
+        settled + (current - settled).times(self.mean)
     }
 
     /// New speed and current after the kick: `force` is the torque on the rotor beside the motor's,

@@ -22,13 +22,24 @@ pub struct Bases<'a> {
     pub current: f64,
     /// The winding's 2R, ohm.
     pub resistance: f64,
+    /// Half a micro-step, s; one second for rates in SI.
+    pub half_step: f64,
 }
 
 impl<'a> Bases<'a> {
     /// Units of one: reflected SI, for the host's reference.
     pub fn si(motor: &'a Motor, stages: &'a [Stage]) -> Self {
         let resistance = 2.0 * motor.phase_resistance_ohm;
-        Self { motor, stages, torque: 1.0, speed: 1.0, angle: 1.0, current: 1.0, resistance }
+        Self {
+            motor,
+            stages,
+            torque: 1.0,
+            speed: 1.0,
+            angle: 1.0,
+            current: 1.0,
+            resistance,
+            half_step: 1.0,
+        }
     }
 
     /// Units from the parameters: torque from the breakaway level of the whole joint, current from

@@ -65,6 +65,8 @@ pub trait Scalar:
     fn split_turns(self) -> (i32, Self);
     /// The part of `whole · whole_ratio + part · ratio` between −½ and ½ turn.
     fn wrapped_turns(whole: i32, whole_ratio: Self::Gain, part: Self, ratio: Self::Gain) -> Self;
+    /// `(whole + part) · ratio`, for laws that do not repeat with the angle.
+    fn wide_turns(whole: i32, part: Self, ratio: Self::Gain) -> Self;
 
     /// Cosine of an angle in turns, for |turns| ≤ ½.
     fn cos_turns(self) -> Self {
@@ -165,6 +167,10 @@ impl Scalar for f32 {
         let nearest = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
         turns - nearest as f32
     }
+    #[inline]
+    fn wide_turns(whole: i32, part: f32, ratio: f32) -> f32 {
+        (whole as f32 + part) * ratio
+    }
 }
 
 impl Scalar for f64 {
@@ -241,6 +247,10 @@ impl Scalar for f64 {
         let turns = f64::from(whole) * whole_ratio + part * ratio;
         let nearest = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
         turns - f64::from(nearest)
+    }
+    #[inline]
+    fn wide_turns(whole: i32, part: f64, ratio: f64) -> f64 {
+        (f64::from(whole) + part) * ratio
     }
 }
 

@@ -8,9 +8,13 @@
 //! joint without effects does the same operations whatever the data.
 
 use crate::angle::Angle;
-use crate::effect::{Effects, Motion};
-use crate::joint::{Input, Joint, State};
+use crate::effect::{Effects, Felt, Flow, Memory, Motion, Relaxation, Rubbing, Winding};
+use crate::friction::Friction;
+use crate::joint::{Input, Joint, Mass, State};
 use crate::scalar::Scalar;
+
+/// Most masses that what effects remember may follow.
+const MOST_MASSES: usize = 9;
 
 /// How the forces change with the angles, at the middle of a micro-step.
 struct Gradient<S, const N: usize> {
@@ -36,25 +40,26 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// loaded before the loop, spilled, and loaded again.
     #[inline(never)]
     fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
-        self.kick::<0>(state, input);
+        self.kick::<0>(state, input, state.angle);
         let first = state.rotor.speed;
-        self.half_drift(state);
         let ahead = state.angle.ahead(first.times(self.half_turn));
+        self.half_drift(state, state.angle, ahead);
         let gradient = self.forces(state, ahead);
         self.correct(state, input, &gradient);
         self.damp(state, &gradient);
-        self.kick::<1>(state, input);
+        self.kick::<1>(state, input, ahead);
         self.damp_back(state, &gradient);
-        self.half_drift(state);
-        state.angle.advance((first + state.rotor.speed).times(self.half_turn));
+        let turned = (first + state.rotor.speed).times(self.half_turn);
+        self.half_drift(state, ahead, state.angle.ahead(turned));
+        state.angle.advance(turned);
         self.forces(state, state.angle);
-        self.kick::<0>(state, input);
+        self.kick::<2>(state, input, state.angle);
     }
 
     /// Computes what the state caches: after a speed, an angle, a deflection or a bristle was set
     /// from outside.
     pub fn refresh(&self, state: &mut State<S, N>) {
-        let (rotor, stages) = self.levels(state);
+        let (rotor, stages) = self.levels(state, state.angle);
         self.rotor.settle(&mut state.rotor, rotor);
         for ((stage, own), level) in state.stages.iter_mut().zip(&self.stages).zip(stages) {
             own.friction.settle(&mut stage.mass, level);
@@ -64,11 +69,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// Deflections and bristles over half a micro-step at constant speed.
     #[inline(always)]
-    fn half_drift(&self, state: &mut State<S, N>) {
+    fn half_drift(&self, state: &mut State<S, N>, from: Angle<S>, to: Angle<S>) {
+        if self.effects.has_memory() {
+            self.remember(state);
+        }
         if self.effects.has_levels() {
-            let before = self.levels(state);
+            let before = self.levels(state, from);
             self.half_drift_deflections(state);
-            let after = self.levels(state);
+            let after = self.levels(state, to);
             self.rotor.flow_along(&mut state.rotor, [before.0, after.0]);
             let levels = before.1.into_iter().zip(after.1);
             let stages = state.stages.iter_mut().zip(&self.stages);
@@ -95,20 +103,77 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         }
     }
 
+    /// What effects remember, over half a micro-step at constant speed and current.
+    #[inline]
+    fn remember(&self, state: &mut State<S, N>) {
+        let mut speeds = [S::ZERO; MOST_MASSES];
+        let masses = core::iter::once(&state.rotor).chain(state.stages.iter().map(|s| &s.mass));
+        for (speed, mass) in speeds.iter_mut().zip(masses) {
+            *speed = mass.speed;
+        }
+        let memory = &mut state.memory;
+        let flow = Flow { current: state.current, speeds: &speeds };
+        self.effects.relax(&flow, &mut |Relaxation { slot, reach, target }| {
+            if let Some(value) = memory.get_mut(usize::from(slot)) {
+                *value = target + (*value - target) * reach.exp_minus();
+            }
+        });
+    }
+
     /// One over the effects' factor on every friction level.
     #[inline(always)]
-    fn levels(&self, state: &State<S, N>) -> (S, [S; N]) {
+    fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
         let mut levels = [S::ONE; N];
         let mut before = state.rotor.speed;
+        let mut own = angle;
+        let mut wound = S::ZERO;
         let stages = state.stages.iter().zip(&self.stages);
-        for ((level, (stage, own)), number) in levels.iter_mut().zip(stages).zip(0..N) {
-            let (felt, touching) = self.effects.deflection(number, stage.deflection);
+        for ((level, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
+            let felt = self.felt(number, stage.deflection, own);
             let relative = before - stage.mass.speed;
-            let torque = own.spring.torque(felt) + own.spring.damping_torque(relative) * touching;
+            let mut torque = constants.spring.torque(felt.deflection)
+                + constants.spring.damping_torque(relative) * felt.contact;
+            if self.effects.has_stages() {
+                let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
+                torque = torque + beside.value;
+            }
             before = stage.mass.speed;
-            *level = self.effects.inverse_level(number + 1, stage.mass.speed, torque);
+            wound = wound + stage.deflection;
+            if self.effects.has_angled_levels() || self.effects.has_stages() {
+                own = constants.own_angle(angle.ahead(-wound.times(self.turns)));
+            }
+            let at = Rubbing { speed: stage.mass.speed, transmitted: torque, angle: own };
+            *level = self.effects.inverse_level(number + 1, at);
         }
-        (self.effects.inverse_level(0, state.rotor.speed, state.current), levels)
+        let at = Rubbing { speed: state.rotor.speed, transmitted: state.current, angle };
+        (self.effects.inverse_level(0, at), levels)
+    }
+
+    /// What a stage's spring feels.
+    #[inline(always)]
+    fn felt(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
+        if self.effects.has_stages() {
+            self.effects.stage(stage, deflection, input)
+        } else {
+            Felt { deflection, contact: S::ONE, leverage: S::ONE }
+        }
+    }
+
+    /// Damping of a mass, with what effects make of it.
+    #[inline(always)]
+    fn damping(
+        &self,
+        friction: &Friction<S>,
+        number: usize,
+        mass: &Mass<S>,
+        memory: &Memory<S>,
+    ) -> S {
+        if self.effects.has_damping() {
+            let viscous = self.effects.viscous(number, mass.speed, memory);
+            friction.damping(&mass.bristle, viscous) + self.effects.drag(number, mass.speed)
+        } else {
+            friction.damping(&mass.bristle, S::ONE)
+        }
     }
 
     /// Forces and damping of every mass, but for the load and the motor; and how they change.
@@ -121,39 +186,51 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             contact: [S::ONE; N],
         };
         let rotor = &mut state.rotor;
+        let memory = &state.memory;
         rotor.force = -self.rotor.torque(&rotor.bristle);
-        rotor.damping = self.rotor.damping(&rotor.bristle, self.effects.viscous(0, rotor.speed));
+        rotor.damping = self.damping(&self.rotor, 0, rotor, memory);
         gradient.rotor = self.rotor.slope(&rotor.bristle);
         if self.effects.has_torque(0) {
-            let torque = self.effects.torque(0, Motion { angle, speed: rotor.speed });
+            let at = Motion { angle, turns: self.whole_turn.wide(angle), speed: rotor.speed };
+            let torque = self.effects.torque(0, at, memory);
             rotor.force = rotor.force + torque.value;
             gradient.rotor = gradient.rotor - torque.slope;
         }
 
         let mut wound = S::ZERO;
         let mut number = 0;
+        let mut input = angle;
+        let mut speed = rotor.speed;
         let mut before = &mut rotor.force;
         let slopes = gradient.springs.iter_mut().zip(&mut gradient.contact);
         let rows = slopes.zip(&mut gradient.masses);
-        for (((stage, own), number_of), ((slope, contact), mass_slope)) in
+        for (((stage, own), stage_number), ((slope, contact), mass_slope)) in
             state.stages.iter_mut().zip(&self.stages).zip(0..N).zip(rows)
         {
             number += 1;
-            let (felt, touching) = self.effects.deflection(number_of, stage.deflection);
-            let torque = own.spring.torque(felt);
-            *slope = own.spring.slope(felt) * touching;
-            *contact = touching;
-            *before = *before - torque;
+            let felt = self.felt(stage_number, stage.deflection, input);
+            let mut torque = own.spring.torque(felt.deflection);
+            *slope = own.spring.slope(felt.deflection) * felt.contact;
+            if self.effects.has_stages() {
+                let beside = self.effects.stage_torque(stage_number, felt.deflection, memory);
+                // What the damper feels of an argument that moves by itself.
+                let moving = own.spring.damping_torque((felt.leverage - S::ONE) * speed);
+                torque = torque + beside.value + moving * felt.contact;
+                *slope = *slope + beside.slope;
+            }
+            *contact = felt.contact;
+            *before = *before - torque * felt.leverage;
             let mass = &mut stage.mass;
+            speed = mass.speed;
             mass.force = torque - own.friction.torque(&mass.bristle);
-            mass.damping =
-                own.friction.damping(&mass.bristle, self.effects.viscous(number, mass.speed));
+            mass.damping = self.damping(&own.friction, number, mass, memory);
             *mass_slope = own.friction.slope(&mass.bristle);
             wound = wound + stage.deflection;
-            if self.effects.has_torque(number) {
-                let part = own.shaft.of(angle.ahead(-wound.times(self.turns)));
-                let at = Motion { angle: Angle { part, ..Angle::default() }, speed: mass.speed };
-                let torque = self.effects.torque(number, at);
+            if self.effects.has_torque(number) || self.effects.has_stages() {
+                let motor = angle.ahead(-wound.times(self.turns));
+                input = own.own_angle(motor);
+                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed };
+                let torque = self.effects.torque(number, at, memory);
                 mass.force = mass.force + torque.value;
                 *mass_slope = *mass_slope - torque.slope;
             }
@@ -217,26 +294,49 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         }
     }
 
-    /// Speeds and current over one kick: `WHICH` is 0 for the outer, 1 for the middle one.
+    /// Speeds and current over one kick: `WHICH` is 0 for the first, 1 for the middle one, 2 for the
+    /// last, each at the angle where its forces are.
     #[inline(always)]
-    fn kick<const WHICH: usize>(&self, state: &mut State<S, N>, input: Input<S>) {
-        let kick = if WHICH == 0 { &self.outer } else { &self.middle };
+    fn kick<const WHICH: usize>(&self, state: &mut State<S, N>, input: Input<S>, angle: Angle<S>) {
+        let kick = if WHICH == 1 { &self.middle } else { &self.outer };
         let rotor = &mut state.rotor;
-        let force = if N == 0 { rotor.force - input.load } else { rotor.force };
+        let mut force = if N == 0 { rotor.force - input.load } else { rotor.force };
         let mut drive = input.drive;
+        let mut lagging = S::ZERO;
+        if self.effects.has_constants() {
+            // The winding follows an EMF that changes over the kick as it follows a speed that does.
+            let turned = rotor.speed.times(self.kick_turn);
+            let [from, to] = match WHICH {
+                0 => [angle, angle.ahead(turned)],
+                1 => [angle.ahead(-(turned + turned)), angle.ahead(turned + turned)],
+                _ => [angle.ahead(-turned), angle],
+            };
+            let mean = kick.mean_current(rotor.speed, state.current, drive);
+            let [from, to] = [from, to].map(|at| self.effects.constants(at, mean));
+            let emf = [from.back_emf * rotor.speed, to.back_emf * rotor.speed];
+            let extra = kick.followed(emf);
+            let share = (from.torque + to.torque) * S::HALF;
+            force = force + share * (mean + extra.mean) + extra.mean;
+            lagging = extra.end;
+        }
         let apply = |drive| kick.apply(rotor.speed, state.current, force, rotor.damping, drive);
         if self.effects.has_drops() && !self.current_imposed {
-            let (_, free) = apply(drive);
-            drive = drive - self.effects.voltage_drop(free, kick.approach());
+            let (_, current) = apply(drive);
+            let at = Winding {
+                current: current + lagging,
+                per_drop: kick.approach(),
+                drive: input.drive,
+            };
+            drive = drive - self.effects.voltage_drop(at, &state.memory);
         }
         let (speed, current) = apply(drive);
         rotor.speed = speed;
-        state.current = current;
+        state.current = if self.effects.has_constants() { current + lagging } else { current };
         for ((stage, own), number) in state.stages.iter_mut().zip(&self.stages).zip(1..=N) {
             let mass = &mut stage.mass;
             let force = if number == N { mass.force - input.load } else { mass.force };
             let [outer, middle] = own.mobility;
-            let mobility = if WHICH == 0 { outer } else { middle };
+            let mobility = if WHICH == 1 { middle } else { outer };
             let lost = mass.damping.times(mobility);
             let x = lost * S::HALF;
             let gained = force.times(mobility) - lost * mass.speed;

@@ -51,6 +51,44 @@ fn effect(kind: Kind) -> EffectParameters {
         Kind::Gravity => at(Location::Output).with("amplitude_nm", 5e-3).with("phase_rad", 0.4),
         Kind::DeadTime => at(Location::Inverter).with("voltage_v", 0.15).with("softening_a", 3e-3),
         Kind::CurrentOffset => at(Location::CurrentSensor).with("offset_a", 0.01),
+        Kind::TorqueRipple => at(Location::Motor)
+            .with("relative_amplitude", 0.1)
+            .with("order", 6.0)
+            .with("phase_rad", 0.3),
+        Kind::TorqueSaturation => at(Location::Motor).with("current_a", 0.4),
+        Kind::QuadraticDrag => at(Location::Motor).with("coefficient_nm_s2", 2e-12),
+        Kind::TransmissionError => at(Location::Stage(2))
+            .with("amplitude_rad", 3e-4)
+            .with("order", 2.0)
+            .with("phase_rad", 0.3),
+        Kind::HardeningStiffness => {
+            let stiffness = paper().stages[1].stiffness_nm_per_rad;
+            at(Location::Stage(2)).with("cubic_stiffness_nm_per_rad3", 1e4 * stiffness)
+        }
+        Kind::StructuralHysteresis => {
+            at(Location::Stage(2)).with("amplitude_nm", 4e-3).with("width_rad", 2e-3)
+        }
+        Kind::PositionDependentFriction => {
+            at(Location::Stage(2)).with("relative_amplitude", 0.5).with("order", 24.0)
+        }
+        Kind::Coating => at(Location::Output)
+            .with("stiffness_nm_per_rad", 0.06)
+            .with("hysteresis_nm", 6e-3)
+            .with("cubic_stiffness_nm_per_rad3", 0.1),
+        Kind::SupplySag => {
+            at(Location::Inverter).with("source_resistance_ohm", 1.0).with("bus_voltage_v", 6.0)
+        }
+        Kind::WindingHeating => at(Location::Motor)
+            .with("relative_rise", 0.25)
+            .with("time_constant_s", 0.05)
+            .with("reference_current_a", 0.07),
+        Kind::LubricantWarming => at(Location::Motor)
+            .with("relative_fall", 0.6)
+            .with("time_constant_s", 0.05)
+            .with("reference_speed_rad_per_s", 1500.0),
+        Kind::EncoderEccentricity => at(Location::Encoder).with("amplitude_rad", 0.02),
+        Kind::CurrentGain => at(Location::CurrentSensor).with("relative_gain", 0.1),
+        Kind::SensorDelay => at(Location::Encoder).with("delay_s", 4e-4),
         _ => panic!("no size is stated here for {}", kind.spec().kind),
     }
 }

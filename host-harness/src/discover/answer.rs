@@ -73,7 +73,7 @@ pub fn discover(
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
     let tested: Vec<f64> = held_out.iter().map(|held| if *held { 1.0 } else { 0.0 }).collect();
-    let problem = Problem { record: &record, mask: &fitted };
+    let problem = Problem::new(&record, &fitted);
     let mut found = search(problem, nominal, bar)?;
 
     bar.set_message("is what is left noise?");
@@ -82,7 +82,7 @@ pub fn discover(
     if !remainder.is_noise() && !found.rounds.is_empty() {
         // The step itself may be what is not noise: gaps and load-following friction ask for more.
         let finer = coarse.refined(micro_steps * FINER);
-        let problem = Problem { record: &finer, mask: &fitted };
+        let problem = Problem::new(&finer, &fitted);
         let Stage { fit, origin } = &found.after;
         let better = refit::polish(
             &problem,
@@ -101,7 +101,7 @@ pub fn discover(
             record = finer;
         }
     }
-    let problem = Problem { record: &record, mask: &fitted };
+    let problem = Problem::new(&record, &fitted);
 
     bar.set_message("where they disagree");
     let (before, after) = (&found.before.fit, &found.after.fit);
@@ -114,8 +114,10 @@ pub fn discover(
     let (_, innovations_before, _) = problem.design(&before.model, &noise)?;
     let (_, innovations_after, _) = problem.design(&after.model, &noise)?;
     let orders = orders(&found);
+    // Noise that swallows what is missing would leave no equation to blame for it.
+    let calm = believable(&noise, &found.expected);
     let disagreement =
-        locate(&problem, &before.model, &after.model, &noise, &orders, !found.orders.is_empty())?;
+        locate(&problem, &found.before, &after.model, &calm, &orders, !found.orders.is_empty())?;
     bar.inc(1);
 
     let judged = Fit { noise, ..after.clone() };

@@ -3,22 +3,30 @@
 //! Each equation in turn is given a push that wanders; the one whose push makes the log most likely
 //! is the one that misses something. The push is then laid against everything it might follow.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::findings::{Push, Shape, Whereabouts};
+use super::search::Stage;
 use crate::estimate::filter::{Equation, Linearisation, Noise, Observer, Run, Walk};
-use crate::estimate::fit::{Problem, standing_walks};
+use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Channel;
+use crate::estimate::refit::cost;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, output_shaft, plant};
 use joint_core::joint::Drive;
 
 /// How fast pushes wander: share of their scale per root second.
-const RATES: [f64; 2] = [1.0, 10.0];
+const RATES: [f64; 3] = [1.0, 10.0, 100.0];
+/// Equations beside whose push the parameters are refitted, and rounds of that refit.
+const REFITTED: usize = 4;
+const ROUNDS: usize = 3;
 /// Bins of a coordinate.
 const BINS: usize = 48;
 
 /// The disagreement of one model with a record.
+#[derive(Default)]
 pub struct Disagreement {
     /// The answer.
     pub whereabouts: Whereabouts,
@@ -35,32 +43,19 @@ pub struct Disagreement {
 /// A model cannot be built.
 pub fn locate(
     problem: &Problem<'_>,
-    before: &Model,
+    before: &Stage,
     after: &Model,
     noise: &Noise,
     orders: &[f64],
     along_lines: bool,
 ) -> Result<Disagreement, BuildError> {
-    let pushes = pushes(problem, before, noise);
-    let mut along = Linearisation::default();
-    problem.deviance_along(&mut along, before, noise)?;
-    let scored: Vec<(f64, Walk)> = pushes
-        .par_iter()
-        .map(|walk| {
-            let run = pushed(problem, before, &mut along.clone(), noise, *walk)?;
-            Ok((run.deviance, *walk))
-        })
-        .collect::<Result<_, BuildError>>()?;
-    let Some((_, walk)) = scored.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
-        return Ok(Disagreement {
-            whereabouts: Whereabouts::default(),
-            push: Push::default(),
-            shape: Shape::default(),
-        });
+    let Some((walk, before)) = disagreeing(problem, before, noise)? else {
+        return Ok(Disagreement::default());
     };
-    let run = pushed(problem, before, &mut along, noise, walk)?;
+    let before = &before.model;
+    let run = pushed(problem, before, noise, walk)?;
     let series: Vec<f64> = run.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect();
-    let better = pushed(problem, after, &mut Linearisation::default(), noise, walk)?;
+    let better = pushed(problem, after, noise, walk)?;
     let series_after: Vec<f64> =
         better.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect();
     let (equation, unit) = title(walk.equation, problem.record.drive, before.stages.len());
@@ -111,20 +106,58 @@ fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
     scales.iter().flat_map(|scale| RATES.map(|rate| walk(*scale, rate))).collect()
 }
 
+/// The equation whose push makes the log most likely, and the model refitted beside that push: the
+/// plain refit has bent its parameters to explain what the equation misses.
+fn disagreeing(
+    problem: &Problem<'_>,
+    before: &Stage,
+    noise: &Noise,
+) -> Result<Option<(Walk, Fit)>, BuildError> {
+    let Stage { fit: plain, origin } = before;
+    let mut starts = Vec::new();
+    for model in [&plain.model, origin] {
+        let mut along = Linearisation::default();
+        problem.deviance_along(&mut along, model, noise)?;
+        starts.push((model, along));
+    }
+    let scored = pushes(problem, &plain.model, noise)
+        .par_iter()
+        .flat_map_iter(|walk| starts.iter().map(move |(model, along)| (*walk, *model, along)))
+        .map(|(walk, model, along)| {
+            let deviance = problem.pushed(walk).deviance_along(&mut along.clone(), model, noise)?;
+            Ok((deviance, walk, model))
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
+    let mut best: BTreeMap<Equation, (f64, Walk, &Model)> = BTreeMap::new();
+    for row in scored {
+        let own = best.entry(row.1.equation).or_insert(row);
+        if row.0 < own.0 {
+            *own = row;
+        }
+    }
+    let mut ranked: Vec<_> = best.into_values().collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut fits = ranked
+        .into_iter()
+        .take(REFITTED)
+        .map(|(_, walk, start)| {
+            let fit = problem.pushed(walk).fit(origin, start, &plain.coordinates, noise, ROUNDS)?;
+            Ok((walk, fit))
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
+    fits.sort_by(|a, b| cost(&b.1).total_cmp(&cost(&a.1)));
+    Ok(fits.pop())
+}
+
 fn pushed(
     problem: &Problem<'_>,
     model: &Model,
-    along: &mut Linearisation,
     noise: &Noise,
     walk: Walk,
 ) -> Result<Run, BuildError> {
     let plant = plant(model, &problem.record.grid, problem.record.drive)?;
-    let mut walks = standing_walks(problem.record);
-    walks.push(walk);
-    let (gains, mut run) =
-        Observer::new(model, &*plant, problem.record).design_along(along, noise, &walks);
-    run.deviance = problem.sum_of_squares(&run.innovations) + gains.log_variance(problem.mask);
-    Ok(run)
+    let observer = Observer::new(model, &*plant, problem.record);
+    Ok(observer.design(noise, &problem.pushed(walk).walks()).1)
 }
 
 fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static str) {
@@ -142,7 +175,7 @@ fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static s
 
 /// What a push may follow, by sample.
 fn coordinates(problem: &Problem<'_>, model: &Model, run: &Run) -> Vec<(&'static str, Vec<f64>)> {
-    let layout = Layout { stages: model.stages.len() };
+    let layout = Layout::of(model);
     let shaft = output_shaft(model);
     let last = layout.speed(layout.stages);
     let series = |f: &dyn Fn(usize, &[f64]) -> f64| -> Vec<f64> {

@@ -6,6 +6,7 @@
 //! least-squares problem with an exact sensitivity by differences. Measurements are taken one
 //! channel after the other, which leaves the innovations uncorrelated between channels as well.
 
+use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
@@ -97,12 +98,13 @@ pub struct Observer<'a> {
     inertia: Vec<f64>,
     start_sigma: Vec<f64>,
     steps: Vec<f64>,
+    late: Late<'a>,
 }
 
 impl<'a> Observer<'a> {
     /// A plant observed over a record.
     pub fn new(model: &Model, plant: &'a dyn Plant, record: &'a Record) -> Self {
-        let layout = Layout { stages: model.stages.len() };
+        let layout = Layout::of(model);
         let inertia = inertias(model);
         let mut start_sigma = vec![0.0; layout.len()];
         let mut steps = vec![0.0; layout.len()];
@@ -130,8 +132,12 @@ impl<'a> Observer<'a> {
             start_sigma[layout.bristle(mass)] = 0.3;
             steps[layout.bristle(mass)] = 1e-4;
         }
+        for slot in 0..layout.memories {
+            steps[layout.memory(slot)] = 1e-4;
+        }
         let shaft = output_shaft(model);
-        Self { plant, record, layout, shaft, inertia, start_sigma, steps }
+        let late = Late::of(model, record);
+        Self { plant, record, layout, shaft, inertia, start_sigma, steps, late }
     }
 
     /// Designs the gains along the record and runs it.
@@ -168,7 +174,7 @@ impl<'a> Observer<'a> {
             }
             for channel in Channel::ALL {
                 let c = channel as usize;
-                let measured = self.record.measured[k][c];
+                let measured = self.late.measured[k][c];
                 if !measured.is_finite() {
                     continue;
                 }
@@ -222,7 +228,10 @@ impl<'a> Observer<'a> {
                     continue;
                 }
                 let shown = self.shown(channel, &x, &gains.walks);
-                let error = (self.record.measured[k][c] - shown) * weight;
+                let error = (self.late.measured[k][c] - shown) * weight;
+                if !error.is_finite() {
+                    continue;
+                }
                 row[c] = error;
                 let slot = (k * CHANNELS + c) * order;
                 for (value, gain) in x.iter_mut().zip(&gains.gain[slot..slot + order]) {
@@ -237,7 +246,7 @@ impl<'a> Observer<'a> {
     /// The joint at rest where a log begins.
     fn start(&self, k: usize, order: usize) -> Vec<f64> {
         let mut x = vec![0.0; order];
-        let angle = self.record.measured[k][Channel::Motor as usize];
+        let angle = self.late.measured[k][Channel::Motor as usize];
         if angle.is_finite() {
             x[Layout::ANGLE] = angle;
         }
@@ -263,15 +272,18 @@ impl<'a> Observer<'a> {
             .filter(|(walk, _)| walk.equation == Equation::Sensor(channel))
             .map(|(_, value)| *value)
             .sum();
-        bias + match channel {
-            Channel::Current => self.plant.measured_current(x[Layout::CURRENT]),
-            Channel::Motor => x[Layout::ANGLE],
+        let (angle, speed, output) = match channel {
+            Channel::Current => return bias + self.plant.measured_current(x[Layout::CURRENT]),
+            Channel::Motor => (x[Layout::ANGLE], x[self.layout.speed(0)], false),
             Channel::Output => {
                 let wound: f64 =
                     (0..self.layout.stages).map(|k| x[self.layout.deflection(k)]).sum();
-                (x[Layout::ANGLE] - wound) * self.shaft
+                let speed = x[self.layout.speed(self.layout.stages)] * self.shaft;
+                ((x[Layout::ANGLE] - wound) * self.shaft, speed, true)
             }
-        }
+        };
+        let caught_up = self.late.by[channel as usize] * speed;
+        bias + angle + self.plant.encoder_error(output, angle, speed) + caught_up
     }
 
     fn sensitivity(&self, channel: Channel, walks: &[Walk], row: &mut [f64]) {

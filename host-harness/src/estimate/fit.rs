@@ -43,6 +43,9 @@ pub struct Problem<'a> {
     pub record: &'a Record,
     /// By sample: one where it is fitted to, zero where it is held out.
     pub mask: &'a [f64],
+    /// A push on one equation that wanders and is estimated along, so that what the equation
+    /// misses does not bend the parameters; `None` believes the model.
+    pub push: Option<Walk>,
 }
 
 /// The random constants that every filter carries: an encoder zeroed at the start of a log knows
@@ -55,7 +58,22 @@ pub fn standing_walks(record: &Record) -> Vec<Walk> {
     }
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    /// A record fitted to over a mask, with a model that is believed.
+    pub fn new(record: &'a Record, mask: &'a [f64]) -> Self {
+        Self { record, mask, push: None }
+    }
+
+    /// The same with a push on one equation.
+    pub fn pushed(self, push: Walk) -> Self {
+        Self { push: Some(push), ..self }
+    }
+
+    /// What a filter of this problem carries beside the joint's states, the push last.
+    pub fn walks(&self) -> Vec<Walk> {
+        standing_walks(self.record).into_iter().chain(self.push).collect()
+    }
+
     /// Designs the filter at a model and runs it: gains, innovations, masked deviance.
     ///
     /// # Errors
@@ -67,7 +85,7 @@ impl Problem<'_> {
     ) -> Result<(Gains, Vec<[f64; CHANNELS]>, f64), BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = Observer::new(model, &*plant, self.record);
-        let (gains, run) = observer.design(noise, &standing_walks(self.record));
+        let (gains, run) = observer.design(noise, &self.walks());
         let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
         Ok((gains, run.innovations, deviance))
     }
@@ -84,7 +102,7 @@ impl Problem<'_> {
     ) -> Result<f64, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = Observer::new(model, &*plant, self.record);
-        let (gains, run) = observer.design_along(along, noise, &standing_walks(self.record));
+        let (gains, run) = observer.design_along(along, noise, &self.walks());
         Ok(self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask))
     }
 

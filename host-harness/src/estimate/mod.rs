@@ -9,6 +9,7 @@
 pub mod coordinates;
 pub mod filter;
 pub mod fit;
+pub mod late;
 pub mod noise;
 pub mod parameters;
 pub mod record;

@@ -9,6 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::filter::{Noise, Observer};
 use super::fit::standing_walks;
+use super::late::Late;
 use super::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, plant};
@@ -25,7 +26,8 @@ pub fn twin(
 ) -> Result<Record, BuildError> {
     let plant = plant(model, &record.grid, record.drive)?;
     let observer = Observer::new(model, &*plant, record);
-    let layout = Layout { stages: model.stages.len() };
+    let layout = Layout::of(model);
+    let late = Late::of(model, record).samples;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let mut state = vec![0.0; layout.len()];
@@ -39,9 +41,11 @@ pub fn twin(
         }
         for channel in Channel::ALL {
             let c = channel as usize;
-            if record.measured[k][c].is_finite() {
+            let then = k.checked_add_signed(late[c]).filter(|then| *then < record.len());
+            let Some(then) = then else { continue };
+            if record.measured[then][c].is_finite() {
                 let shown = observer.shown(channel, &state, &[]);
-                twin.measured[k][c] = match channel {
+                twin.measured[then][c] = match channel {
                     Channel::Current => shown + noise.sensors[c] * normal(),
                     _ => (shown / count[c]).round() * count[c],
                 };

@@ -6,11 +6,15 @@
 //! the ones the drive runs, because an effect's physics stands once.
 //!
 //! The state is `[i, θ, d…, v…, z…]`: current, rotor angle, deflections, speeds, bristles, all at
-//! the motor, so an angle q of mass k is q/N_k and a torque on it T·N_k. Deflections are states
+//! the motor, so an angle q of mass k is q/N_k and a torque on it T·N_k; then what effects remember. Deflections are states
 //! themselves: as differences of angles they would drown in the turns.
 
+use std::f64::consts::TAU;
+
 use joint_core::angle::Angle;
-use joint_core::effect::{EffectSet, Effects, Motion};
+use joint_core::effect::{
+    Constants, EffectSet, Effects, Felt, Flow, MEMORIES, Memory, Motion, Rubbing,
+};
 use joint_core::joint::Drive;
 use joint_core::params::Friction;
 use joint_core::per_unit::{Bases, reflected_inertia};
@@ -66,6 +70,7 @@ pub struct Equations {
     forgotten: f64,
     pub(super) standing_rate: f64,
     pub(super) effects: Option<EffectSet<f64>>,
+    memories: usize,
 }
 
 impl Equations {
@@ -117,12 +122,13 @@ impl Equations {
             stribeck_exponent,
             forgotten: FORGOTTEN.powf(1.0 / stribeck_exponent),
             effects: (!effects.is_empty()).then_some(effects),
+            memories: Layout::of(model).memories,
         })
     }
 
     /// Where each quantity stands in the state.
     pub fn layout(&self) -> Layout {
-        Layout { stages: self.springs.len() }
+        Layout { stages: self.springs.len(), memories: self.memories }
     }
 
     /// The joint at rest, relaxed, at angle zero.
@@ -140,42 +146,78 @@ impl Equations {
         }
         let (head, tail) = state.split_at(2);
         let (deflections, tail) = tail.split_at(stages);
-        let (speeds, bristles) = tail.split_at(stages + 1);
+        let (speeds, tail) = tail.split_at(stages + 1);
+        let (bristles, remembered) = tail.split_at(stages + 1);
         let (head_rate, tail) = rate.split_at_mut(2);
         let (deflection_rate, tail) = tail.split_at_mut(stages);
-        let (speed_rate, bristle_rate) = tail.split_at_mut(stages + 1);
+        let (speed_rate, tail) = tail.split_at_mut(stages + 1);
+        let (bristle_rate, memory_rate) = tail.split_at_mut(stages + 1);
 
-        let current = self.current(held, head[0], speeds[0]);
-        head_rate[0] = self.current_rate(held, current, speeds[0]);
+        let mut memory = [0.0; MEMORIES];
+        for (slot, value) in memory.iter_mut().zip(remembered) {
+            *slot = *value;
+        }
+        let current = self.current(held, head[0], speeds[0], &memory);
+        let constants = self.constants(head[1], current);
+        head_rate[0] = self.current_rate(held, current, speeds[0], constants.back_emf, &memory);
         head_rate[1] = speeds[0];
+        if let Some(effects) = &self.effects {
+            effects.relax(&Flow { current, speeds }, &mut |relaxation| {
+                let slot = usize::from(relaxation.slot);
+                if let (Some(rate), Some(value)) = (memory_rate.get_mut(slot), memory.get(slot)) {
+                    *rate = relaxation.reach * (relaxation.target - value);
+                }
+            });
+        }
 
-        let mut driving = self.torque_constant * current + held.torque;
+        let motor = self.torque_constant * current * (1.0 + constants.torque);
+        let mut driving = motor + held.torque;
         let mut transmitted = self.torque_constant * current;
         let mut angle = head[1];
         for (k, mass) in self.masses.iter().enumerate() {
             let speed = speeds[k];
-            let (friction, slip) = self.friction(k, mass, speed, bristles[k], transmitted);
+            let own = Angle::from_turns(angle * mass.shaft / TAU);
+            let at = Rubbing { speed, transmitted, angle: own };
+            let (friction, slip) = self.friction(k, mass, at, bristles[k], &memory);
             bristle_rate[k] = slip;
             let mut force = driving - friction;
             if let Some(spring) = self.springs.get(k) {
                 deflection_rate[k] = speed - speeds[k + 1];
-                let (felt, contact) = match &self.effects {
-                    Some(effects) => effects.deflection(k, deflections[k]),
-                    None => (deflections[k], 1.0),
+                let (felt, beside) = match &self.effects {
+                    Some(effects) => {
+                        let felt = effects.stage(k, deflections[k], own);
+                        (felt, effects.stage_torque(k, felt.deflection, &memory).value)
+                    }
+                    None => {
+                        let deflection = deflections[k];
+                        (Felt { deflection, contact: 1.0, leverage: 1.0 }, 0.0)
+                    }
                 };
-                let elastic = felt * (spring.linear + spring.cubic * felt * felt);
-                driving = elastic + contact * spring.damping * deflection_rate[k];
-                force -= driving;
+                let x = felt.deflection;
+                let elastic = x * (spring.linear + spring.cubic * x * x) + beside;
+                let moving = speed * felt.leverage - speeds[k + 1];
+                driving = elastic + felt.contact * spring.damping * moving;
+                force -= driving * felt.leverage;
                 transmitted = driving;
             } else {
                 force -= held.load * mass.shaft;
             }
             if let Some(effects) = &self.effects {
-                let own = Angle::from_turns(angle * mass.shaft / std::f64::consts::TAU);
-                force += effects.torque(k, Motion { angle: own, speed }).value;
+                let at = Motion { angle: own, turns: angle * mass.shaft / TAU, speed };
+                force += effects.torque(k, at, &memory).value - effects.drag(k, speed) * speed;
                 angle -= deflections.get(k).copied().unwrap_or(0.0);
             }
             speed_rate[k] = force * mass.per_inertia;
+        }
+    }
+
+    /// By how much the motor constants differ at a rotor angle and a current.
+    fn constants(&self, angle: f64, current: f64) -> Constants<f64> {
+        match &self.effects {
+            Some(effects) if effects.has_constants() => {
+                effects.constants(Angle::from_turns(angle / TAU), current)
+            }
+            _ => Constants { torque: 0.0, back_emf: 0.0 },
         }
     }
 
@@ -185,21 +227,23 @@ impl Equations {
         &self,
         number: usize,
         mass: &Mass,
-        speed: f64,
+        at: Rubbing<f64>,
         bristle: f64,
-        transmitted: f64,
+        memory: &Memory<f64>,
     ) -> (f64, f64) {
-        if mass.sigma0 <= 0.0 {
-            let viscous = self.viscous(number, speed);
-            return ((mass.sigma1 + mass.sigma2 * viscous) * speed, 0.0);
-        }
-        let level = match &self.effects {
-            Some(effects) => 1.0 / effects.inverse_level(number, speed, transmitted),
-            None => 1.0,
+        let speed = at.speed;
+        let (viscous, level) = match &self.effects {
+            Some(effects) => {
+                let viscous = mass.sigma2 * effects.viscous(number, speed, memory);
+                (viscous, 1.0 / effects.inverse_level(number, at))
+            }
+            None => (mass.sigma2, 1.0),
         };
+        if mass.sigma0 <= 0.0 {
+            return ((mass.sigma1 + viscous) * speed, 0.0);
+        }
         let slip_level = level * self.slip_level(mass, speed);
         let rate = speed - mass.sigma0 * speed.abs() * bristle / slip_level;
-        let viscous = mass.sigma2 * self.viscous(number, speed);
         (mass.sigma0 * bristle + mass.sigma1 * rate + viscous * speed, rate)
     }
 
@@ -216,10 +260,6 @@ impl Equations {
             relative.powf(self.stribeck_exponent)
         };
         mass.alpha0 + mass.alpha1 * (-power).exp()
-    }
-
-    fn viscous(&self, number: usize, speed: f64) -> f64 {
-        self.effects.as_ref().map_or(1.0, |effects| effects.viscous(number, speed))
     }
 
     /// Deflection of a mass's bristle at its Coulomb level, rad at the motor; zero without friction.

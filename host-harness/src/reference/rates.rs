@@ -1,5 +1,7 @@
 //! How fast the equations relax, which is what bounds an explicit step.
 
+use joint_core::effect::{Effects, Flow};
+
 use super::equations::{Equations, Mass, Spring};
 
 impl Equations {
@@ -8,10 +10,25 @@ impl Equations {
     /// times the Stribeck velocity more, since the state moves on.
     pub fn rate_near(&self, state: &[f64]) -> f64 {
         let layout = self.layout();
-        self.rate(|k, mass| {
+        let masses = self.rate(|k, mass| {
             let speed = state.get(layout.speed(k)).copied().unwrap_or(0.0);
             1.5 * speed.abs() + 3.0 / mass.per_stribeck_velocity
-        })
+        });
+        masses.max(self.memory_rate(state))
+    }
+
+    /// The fastest rate at which effects forget, per second.
+    fn memory_rate(&self, state: &[f64]) -> f64 {
+        let layout = self.layout();
+        let speeds = state.get(layout.speed(0)..layout.bristle(0)).unwrap_or_default();
+        let current = state.first().copied().unwrap_or(0.0);
+        let mut fastest = 0.0_f64;
+        if let Some(effects) = &self.effects {
+            effects.relax(&Flow { current, speeds }, &mut |relaxation| {
+                fastest = fastest.max(2.0 * relaxation.reach);
+            });
+        }
+        fastest
     }
 
     /// The fastest rate in the equations where every mass runs at this speed, rad/s at the motor.

@@ -23,6 +23,9 @@ fn sizes(equations: &Equations) -> Vec<f64> {
         sizes[layout.speed(mass)] = 10.0;
         sizes[layout.bristle(mass)] = equations.bristle_reach(mass).max(1e-12);
     }
+    for slot in 0..layout.memories {
+        sizes[layout.memory(slot)] = 1.0;
+    }
     sizes
 }
 

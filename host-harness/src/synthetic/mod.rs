@@ -21,6 +21,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::encoders;
 use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{Inputs, Snapshot};
@@ -150,22 +151,21 @@ fn measured(
         .iter()
         .map(|snapshot| rounded(snapshot.measured_current_a + noise * normal(random), 0.5 * noise));
     let current_a = Some(current.collect());
-    let encoder = |counts: f64, angle: &dyn Fn(&Snapshot) -> f64| -> Vec<f64> {
+    let time_s: Vec<f64> = (0..run.len()).map(|k| k as f64 * sample).collect();
+    let shown = encoders::shown(model, &time_s, run);
+    let encoder = |counts: f64, angles: &[f64]| -> Vec<f64> {
         let resolution = if counts > 0.0 { TAU / counts } else { 0.0 };
-        let zero = run.first().map_or(0.0, angle);
-        run.iter().map(|snapshot| rounded(angle(snapshot) - zero, resolution)).collect()
-    };
-    let output = |snapshot: &Snapshot| {
-        snapshot.stages.last().map_or(snapshot.motor_angle_rad, |stage| stage.angle_rad)
+        let zero = angles.first().copied().unwrap_or(0.0);
+        angles.iter().map(|angle| rounded(angle - zero, resolution)).collect()
     };
     let counts = sensor.output_encoder_counts_per_rev;
     Log {
-        time_s: (0..run.len()).map(|k| k as f64 * sample).collect(),
+        time_s,
         voltage_v: Some(voltage),
         current_a,
-        motor_angle_rad: encoder(sensor.motor_encoder_counts_per_rev, &|s| s.motor_angle_rad),
+        motor_angle_rad: encoder(sensor.motor_encoder_counts_per_rev, &shown.motor),
         output_angle_rad: (counts > 0.0 && !model.stages.is_empty())
-            .then(|| encoder(counts, &output)),
+            .then(|| encoder(counts, &shown.output)),
         ..Log::default()
     }
 }

@@ -87,7 +87,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
             "{model}: the simulation is not finite from t_s = {time} on\n  help: give a shorter step with --step-us, or use --method reference"
         )));
     }
-    let text = write_columns(&simulated::columns(&log, &snapshots));
+    let text = write_columns(&simulated::columns(&model, &log, &snapshots));
     let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
     let samples = snapshots.len();
     Ok(Outcome::done(

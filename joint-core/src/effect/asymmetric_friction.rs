@@ -4,6 +4,7 @@
 //! Source: the practice of axis identification, for example Janot, Gautier and Brunot, "Data set and
 //! reference models of EMPS" (2019), where both parts differ.
 
+use super::hooks::{Effects, Memory, Rubbing};
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -25,8 +26,7 @@ pub const SPEC: Spec = Spec {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct AsymmetricFriction<S: Scalar> {
-    /// The mass it acts on, 0 at the rotor.
-    pub mass: u8,
+    mass: u8,
     inverse_level: [S; 2],
     viscous: [S; 2],
 }
@@ -43,31 +43,53 @@ impl<S: Scalar> AsymmetricFriction<S> {
             viscous: [S::from_f64(1.0 + viscous), S::from_f64(1.0 - viscous)],
         }
     }
+}
 
-    /// One over the factor on g(v).
-    #[inline]
-    pub fn inverse_level(&self, speed: S) -> S {
-        let [forward, backward] = self.inverse_level;
-        if speed < S::ZERO { backward } else { forward }
+impl<S: Scalar> Effects<S> for AsymmetricFriction<S> {
+    fn has_damping(&self) -> bool {
+        true
     }
 
-    /// Factor on σ2.
+    fn has_levels(&self) -> bool {
+        true
+    }
+
     #[inline]
-    pub fn viscous(&self, speed: S) -> S {
+    fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
+        let [forward, backward] = self.inverse_level;
+        match mass == usize::from(self.mass) {
+            true if at.speed < S::ZERO => backward,
+            true => forward,
+            false => S::ONE,
+        }
+    }
+
+    #[inline]
+    fn viscous(&self, mass: usize, speed: S, _memory: &Memory<S>) -> S {
         let [forward, backward] = self.viscous;
-        if speed < S::ZERO { backward } else { forward }
+        match mass == usize::from(self.mass) {
+            true if speed < S::ZERO => backward,
+            true => forward,
+            false => S::ONE,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::hooks::MEMORIES;
     use super::*;
+    use crate::angle::Angle;
 
     #[test]
     fn a_positive_asymmetry_raises_friction_in_positive_direction() {
         let law = AsymmetricFriction::<f64>::new(0, &[0.25, -0.5], false);
-        assert!((1.0 / law.inverse_level(1.0) - 1.25).abs() < 1e-12);
-        assert!((1.0 / law.inverse_level(-1.0) - 0.75).abs() < 1e-12);
-        assert_eq!((law.viscous(1.0), law.viscous(-1.0)), (0.5, 1.5));
+        let level = |speed| {
+            let at = Rubbing { speed, transmitted: 0.0, angle: Angle::default() };
+            1.0 / law.inverse_level(0, at)
+        };
+        assert!((level(1.0) - 1.25).abs() < 1e-12 && (level(-1.0) - 0.75).abs() < 1e-12);
+        let viscous = |speed| law.viscous(0, speed, &[0.0; MEMORIES]);
+        assert_eq!((viscous(1.0), viscous(-1.0)), (0.5, 1.5));
     }
 }

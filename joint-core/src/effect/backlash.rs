@@ -4,7 +4,9 @@
 //! Source: the dead-zone model of Nordin and Gutman, "Controlling mechanical systems with backlash"
 //! (Automatica, 2002).
 
+use super::hooks::{Effects, Felt};
 use super::{ParameterSpec, Spec};
+use crate::angle::Angle;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -21,8 +23,7 @@ pub const SPEC: Spec = Spec {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Backlash<S: Scalar> {
-    /// The stage it sits in, 0 at the motor.
-    pub stage: u8,
+    stage: u8,
     half_width: S,
 }
 
@@ -32,17 +33,25 @@ impl<S: Scalar> Backlash<S> {
         let width: f64 = values.first().copied().unwrap_or(0.0);
         Self { stage, half_width: S::from_f64(width / (2.0 * angle)) }
     }
+}
 
-    /// The deflection left for the spring, and its derivative: one in contact, else zero.
+impl<S: Scalar> Effects<S> for Backlash<S> {
+    fn has_stages(&self) -> bool {
+        true
+    }
+
     #[inline]
-    pub fn deflection(&self, deflection: S) -> (S, S) {
-        if deflection > self.half_width {
+    fn stage(&self, stage: usize, deflection: S, _input: Angle<S>) -> Felt<S> {
+        let (felt, contact) = if stage != usize::from(self.stage) {
+            (deflection, S::ONE)
+        } else if deflection > self.half_width {
             (deflection - self.half_width, S::ONE)
         } else if deflection < -self.half_width {
             (deflection + self.half_width, S::ONE)
         } else {
             (S::ZERO, S::ZERO)
-        }
+        };
+        Felt { deflection: felt, contact, leverage: S::ONE }
     }
 }
 
@@ -53,8 +62,9 @@ mod tests {
     #[test]
     fn the_two_contact_lines_lie_one_width_apart() {
         let law = Backlash::<f64>::new(0, &[0.2], 1.0);
-        assert_eq!(law.deflection(0.05), (0.0, 0.0));
-        let (right, left) = (law.deflection(0.3), law.deflection(-0.3));
-        assert!((right.0 - 0.2).abs() < 1e-12 && (left.0 + 0.2).abs() < 1e-12);
+        let felt = |deflection| law.stage(0, deflection, Angle::default());
+        assert_eq!((felt(0.05).deflection, felt(0.05).contact), (0.0, 0.0));
+        assert!((felt(0.3).deflection - 0.2).abs() < 1e-12);
+        assert!((felt(-0.3).deflection + 0.2).abs() < 1e-12);
     }
 }

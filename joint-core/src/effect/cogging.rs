@@ -5,7 +5,8 @@
 //! is not perfect; one effect holds an order and its double, further orders are further effects.
 //! Source: Hanselman, "Brushless Permanent Magnet Motor Design", chapter on cogging torque.
 
-use super::{Motion, ParameterSpec, Spec, Torque};
+use super::hooks::{Effects, Memory, Motion, Torque};
+use super::{ParameterSpec, Spec};
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -77,31 +78,42 @@ impl<S: Scalar> Cogging<S> {
             second: Line::new(2.0 * value(0), value(3) / torque, value(4), angle),
         }
     }
+}
 
-    /// Torque on the rotor.
+impl<S: Scalar> Effects<S> for Cogging<S> {
+    fn has_torque(&self, mass: usize) -> bool {
+        mass == 0
+    }
+
     #[inline]
-    pub fn torque(&self, at: Motion<S>) -> Torque<S> {
-        let (first, second) = (self.first.torque(at.angle), self.second.torque(at.angle));
-        Torque { value: first.value + second.value, slope: first.slope + second.slope }
+    fn torque(&self, mass: usize, at: Motion<S>, _memory: &Memory<S>) -> Torque<S> {
+        if mass != 0 {
+            return Torque::NONE;
+        }
+        self.first.torque(at.angle).plus(self.second.torque(at.angle))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::hooks::MEMORIES;
     use super::*;
 
     #[test]
     fn the_torque_is_the_equation_and_the_slope_its_derivative() {
         let (n, a, phase, b, second) = (6.0, 0.3, 0.7, 0.1, -0.4);
         let law = Cogging::<f64>::new(&[n, a, phase, b, second], 1.0, 1.0);
-        let at =
-            |q: f64| Motion { angle: Angle::from_turns(q / core::f64::consts::TAU), speed: 0.0 };
+        let torque = |q: f64| {
+            let turns = q / core::f64::consts::TAU;
+            let at = Motion { angle: Angle::from_turns(turns), turns, speed: 0.0 };
+            law.torque(0, at, &[0.0; MEMORIES])
+        };
         for k in -20..20 {
             let q = 0.37 * f64::from(k);
             let exact = -(a * (n * q + phase).sin() + b * (2.0 * n * q + second).sin());
-            assert!((law.torque(at(q)).value - exact).abs() < 1e-9);
-            let difference = law.torque(at(q + 1e-5)).value - law.torque(at(q - 1e-5)).value;
-            assert!((law.torque(at(q)).slope - difference / 2e-5).abs() < 1e-4);
+            assert!((torque(q).value - exact).abs() < 1e-9);
+            let difference = torque(q + 1e-5).value - torque(q - 1e-5).value;
+            assert!((torque(q).slope - difference / 2e-5).abs() < 1e-4);
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Where the voltage is the input it is a matter of the measurement alone; where the current is
 //! the input, the winding carries `i − o`. Source: the zero-current calibration of any drive.
 
+use super::hooks::Effects;
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -28,16 +29,16 @@ impl<S: Scalar> CurrentOffset<S> {
         let offset: f64 = values.first().copied().unwrap_or(0.0);
         Self { offset: S::from_f64(offset / current) }
     }
+}
 
-    /// What the sensor shows.
+impl<S: Scalar> Effects<S> for CurrentOffset<S> {
     #[inline]
-    pub fn measured(&self, current: S) -> S {
+    fn measured_current(&self, current: S) -> S {
         current + self.offset
     }
 
-    /// What flows when the sensor shows this.
     #[inline]
-    pub fn actual(&self, measured: S) -> S {
+    fn true_current(&self, measured: S) -> S {
         measured - self.offset
     }
 }
@@ -49,7 +50,7 @@ mod tests {
     #[test]
     fn measuring_and_correcting_undo_each_other() {
         let law = CurrentOffset::<f64>::new(&[0.5], 2.0);
-        assert_eq!(law.measured(1.0), 1.25);
-        assert_eq!(law.actual(law.measured(1.0)), 1.0);
+        assert_eq!(law.measured_current(1.0), 1.25);
+        assert_eq!(law.true_current(law.measured_current(1.0)), 1.0);
     }
 }

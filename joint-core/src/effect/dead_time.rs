@@ -7,6 +7,7 @@
 //! fits both. Source: Jeong and Park, "The analysis and compensation of dead-time effects in PWM
 //! inverters" (1991).
 
+use super::hooks::{Effects, Memory, Winding};
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -46,9 +47,8 @@ impl<S: Scalar> DeadTime<S> {
         }
     }
 
-    /// The drop that fits: see [`super::Effects::voltage_drop`].
     #[inline]
-    pub fn drop(&self, current: S, per_drop: S) -> S {
+    fn drop(&self, current: S, per_drop: S) -> S {
         let lost = self.drop * per_drop;
         if lost <= S::ZERO {
             return self.drop * current.times(self.per_softening).tanh();
@@ -65,6 +65,17 @@ impl<S: Scalar> DeadTime<S> {
         let steepness = lost.times(self.per_softening) * (S::ONE - bent * bent);
         let correction = (flowing + lost * bent - current).over(S::ONE + steepness);
         self.drop * (flowing - correction).times(self.per_softening).tanh()
+    }
+}
+
+impl<S: Scalar> Effects<S> for DeadTime<S> {
+    fn has_drops(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn voltage_drop(&self, at: Winding<S>, _memory: &Memory<S>) -> S {
+        self.drop(at.current, at.per_drop)
     }
 }
 

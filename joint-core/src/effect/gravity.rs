@@ -4,7 +4,8 @@
 //! discovery adds to a joint whose model knows of none. Source: the pendulum.
 
 use super::cogging::Line;
-use super::{Motion, ParameterSpec, Spec, Torque};
+use super::hooks::{Effects, Memory, Motion, Torque};
+use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -23,8 +24,7 @@ pub const SPEC: Spec = Spec {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Gravity<S: Scalar> {
-    /// The mass it acts on, 0 at the rotor.
-    pub mass: u8,
+    mass: u8,
     line: Line<S>,
 }
 
@@ -34,25 +34,34 @@ impl<S: Scalar> Gravity<S> {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         Self { mass, line: Line::new(1.0, value(0) / torque, value(1), angle) }
     }
+}
 
-    /// Torque on the mass.
+impl<S: Scalar> Effects<S> for Gravity<S> {
+    fn has_torque(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
+    }
+
     #[inline]
-    pub fn torque(&self, at: Motion<S>) -> Torque<S> {
-        self.line.torque(at.angle)
+    fn torque(&self, mass: usize, at: Motion<S>, _memory: &Memory<S>) -> Torque<S> {
+        if mass == usize::from(self.mass) { self.line.torque(at.angle) } else { Torque::NONE }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::hooks::MEMORIES;
     use super::*;
     use crate::angle::Angle;
 
     #[test]
     fn a_pendulum_is_pulled_back_to_where_it_hangs() {
         let law = Gravity::<f64>::new(0, &[2.0, 0.5], 1.0, 1.0);
-        let at =
-            |q: f64| Motion { angle: Angle::from_turns(q / core::f64::consts::TAU), speed: 0.0 };
-        assert!(law.torque(at(-0.5)).value.abs() < 1e-9);
-        assert!((law.torque(at(0.3)).value + 2.0 * 0.8_f64.sin()).abs() < 1e-9);
+        let torque = |q: f64| {
+            let turns = q / core::f64::consts::TAU;
+            let at = Motion { angle: Angle::from_turns(turns), turns, speed: 0.0 };
+            law.torque(0, at, &[0.0; MEMORIES]).value
+        };
+        assert!(torque(-0.5).abs() < 1e-9);
+        assert!((torque(0.3) + 2.0 * 0.8_f64.sin()).abs() < 1e-9);
     }
 }

@@ -5,6 +5,7 @@
 //! damper, or the motor torque for the rotor. Source: Linderoth, Stolt, Robertsson and Johansson (2013), and the
 //! gear-loss models M3 to M6 of Duclusaud, Passault and others for servo actuators.
 
+use super::hooks::{Effects, Rubbing};
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -22,8 +23,7 @@ pub const SPEC: Spec = Spec {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct LoadDependentFriction<S: Scalar> {
-    /// The mass it acts on, 0 at the rotor.
-    pub mass: u8,
+    mass: u8,
     per_torque: S::Gain,
 }
 
@@ -34,23 +34,34 @@ impl<S: Scalar> LoadDependentFriction<S> {
         let per_torque = if coulomb > 0.0 { coefficient * torque / coulomb } else { 0.0 };
         Self { mass, per_torque: S::gain(per_torque) }
     }
+}
 
-    /// One over the factor on g(v).
+impl<S: Scalar> Effects<S> for LoadDependentFriction<S> {
+    fn has_levels(&self) -> bool {
+        true
+    }
+
     #[inline]
-    pub fn inverse_level(&self, transmitted: S) -> S {
-        S::ONE.over(S::ONE + transmitted.abs().times(self.per_torque))
+    fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
+        if mass == usize::from(self.mass) {
+            S::ONE.over(S::ONE + at.transmitted.abs().times(self.per_torque))
+        } else {
+            S::ONE
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::angle::Angle;
 
     #[test]
     fn the_added_level_is_mu_times_the_torque() {
         let (mu, coulomb) = (0.12, 0.3);
         let law = LoadDependentFriction::<f64>::new(0, &[mu], coulomb, 1.0);
-        let level = coulomb / law.inverse_level(-2.0);
+        let at = Rubbing { speed: 1.0, transmitted: -2.0, angle: Angle::default() };
+        let level = coulomb / law.inverse_level(0, at);
         assert!((level - (coulomb + mu * 2.0)).abs() < 1e-12);
     }
 }

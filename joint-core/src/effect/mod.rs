@@ -2,23 +2,17 @@
 //!
 //! Each file holds one effect: its equation, where it can sit, its parameters with unit and range,
 //! and the per-unit law that both the drive's step and the host's reference call. How an effect is
-//! spotted in a log stands in the host harness, not here. To add one: a file beside these, a
-//! variant in [`Kind`] and in [`Effect`], and in `EffectSet` a line in `Uses` and one in
-//! [`Effects`] where its law enters the equations.
+//! spotted in a log stands in the host harness, not here. To add one: a file beside these whose law
+//! implements [`Effects`], a row in the table below, and a line in [`Effect::new`].
 
-pub mod asymmetric_friction;
-pub mod backlash;
-pub mod cogging;
-pub mod current_offset;
-pub mod dead_time;
-pub mod gravity;
-pub mod load_dependent_friction;
-mod set;
+mod hooks;
 
+pub use hooks::{
+    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Rubbing, Torque, Winding,
+};
 pub(crate) use set::mass_at;
-pub use set::{Effect, EffectSet, MAX_EFFECTS};
+pub use set::{EffectSet, MAX_EFFECTS};
 
-use crate::angle::Angle;
 use crate::params::{Check, Location, ParameterError, Reason, Table};
 use crate::scalar::Scalar;
 
@@ -49,49 +43,92 @@ pub struct Spec {
     pub parameters: &'static [ParameterSpec],
 }
 
-/// The effects by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Kind {
-    /// [`asymmetric_friction`].
-    AsymmetricFriction,
-    /// [`backlash`].
-    Backlash,
-    /// [`cogging`].
-    Cogging,
-    /// [`current_offset`].
-    CurrentOffset,
-    /// [`dead_time`].
-    DeadTime,
-    /// [`gravity`].
-    Gravity,
-    /// [`load_dependent_friction`].
-    LoadDependentFriction,
+/// Declares the module, the kind and the law of every effect.
+macro_rules! effects {
+    ($($module:ident :: $name:ident,)+) => {
+        $(pub mod $module;)+
+
+        /// The effects by name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[non_exhaustive]
+        pub enum Kind {
+            $(#[doc = concat!("[`", stringify!($module), "`].")] $name,)+
+        }
+
+        impl Kind {
+            /// Every kind, in the order of the names.
+            pub const ALL: &'static [Kind] = &[$(Kind::$name,)+];
+
+            /// Name, places and parameters.
+            pub const fn spec(self) -> &'static Spec {
+                match self {
+                    $(Kind::$name => &$module::SPEC,)+
+                }
+            }
+        }
+
+        /// One effect's law, per-unit.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", serde(bound = ""))]
+        #[non_exhaustive]
+        pub enum Effect<S: Scalar> {
+            $(#[doc = concat!("[`", stringify!($module), "`].")] $name($module::$name<S>),)+
+        }
+
+        $(impl<S: Scalar> From<$module::$name<S>> for Effect<S> {
+            fn from(law: $module::$name<S>) -> Self {
+                Self::$name(law)
+            }
+        })+
+
+        /// Calls a hook of whatever law an [`Effect`] is.
+        macro_rules! law {
+            ($effect:expr, $law:ident => $call:expr) => {
+                match $effect {
+                    $($crate::effect::Effect::$name($law) => $call,)+
+                }
+            };
+        }
+    };
 }
 
-impl Kind {
-    /// Every kind, in the order of the names.
-    pub const ALL: &'static [Kind] = &[
-        Kind::AsymmetricFriction,
-        Kind::Backlash,
-        Kind::Cogging,
-        Kind::CurrentOffset,
-        Kind::DeadTime,
-        Kind::Gravity,
-        Kind::LoadDependentFriction,
-    ];
+effects! {
+    asymmetric_friction::AsymmetricFriction,
+    backlash::Backlash,
+    coating::Coating,
+    cogging::Cogging,
+    current_gain::CurrentGain,
+    current_offset::CurrentOffset,
+    dead_time::DeadTime,
+    encoder_eccentricity::EncoderEccentricity,
+    gravity::Gravity,
+    hardening_stiffness::HardeningStiffness,
+    load_dependent_friction::LoadDependentFriction,
+    lubricant_warming::LubricantWarming,
+    position_dependent_friction::PositionDependentFriction,
+    quadratic_drag::QuadraticDrag,
+    sensor_delay::SensorDelay,
+    structural_hysteresis::StructuralHysteresis,
+    supply_sag::SupplySag,
+    torque_ripple::TorqueRipple,
+    torque_saturation::TorqueSaturation,
+    transmission_error::TransmissionError,
+    winding_heating::WindingHeating,
+}
 
-    /// Name, places and parameters.
-    pub const fn spec(self) -> &'static Spec {
-        match self {
-            Kind::AsymmetricFriction => &asymmetric_friction::SPEC,
-            Kind::Backlash => &backlash::SPEC,
-            Kind::Cogging => &cogging::SPEC,
-            Kind::CurrentOffset => &current_offset::SPEC,
-            Kind::DeadTime => &dead_time::SPEC,
-            Kind::Gravity => &gravity::SPEC,
-            Kind::LoadDependentFriction => &load_dependent_friction::SPEC,
-        }
+mod set;
+
+impl Kind {
+    /// Whether the law has a [`Memory`].
+    pub const fn remembers(self) -> bool {
+        matches!(
+            self,
+            Kind::Coating
+                | Kind::LubricantWarming
+                | Kind::StructuralHysteresis
+                | Kind::WindingHeating
+        )
     }
 
     /// The kind with this name in the model file.
@@ -188,89 +225,3 @@ pub fn validate(effects: &[EffectParameters], stages: usize) -> Result<(), Param
     }
     Ok(())
 }
-
-/// The motion of one mass, for a law that needs it. The speed is per-unit and reflected to the
-/// motor; the angle is the mass's own.
-#[derive(Clone, Copy, Debug)]
-pub struct Motion<S> {
-    /// Angle of this mass in its own turns.
-    pub angle: Angle<S>,
-    /// Speed of this mass.
-    pub speed: S,
-}
-
-/// A torque and what it changes by with the angle it depends on.
-#[derive(Clone, Copy, Debug)]
-pub struct Torque<S> {
-    /// Torque on the mass, positive with motion.
-    pub value: S,
-    /// Derivative with respect to the mass's angle.
-    pub slope: S,
-}
-
-/// Where effects enter the step. Every method has a default that changes nothing, and a joint with
-/// the effects `()` compiles to the plain equations. A law whose hook has a `has_` beside it is
-/// called only where that says so.
-///
-/// Masses count from 0 at the rotor, stages from 0 at the motor. All quantities are per-unit and
-/// reflected to the motor shaft.
-pub trait Effects<S: Scalar> {
-    /// Whether [`Effects::torque`] is to be called for this mass: it needs the mass's angle.
-    #[inline(always)]
-    fn has_torque(&self, _mass: usize) -> bool {
-        false
-    }
-
-    /// Whether [`Effects::inverse_level`] is to be called: it needs the transmitted torques.
-    #[inline(always)]
-    fn has_levels(&self) -> bool {
-        false
-    }
-
-    /// Whether [`Effects::voltage_drop`] is to be called: it needs the kick twice.
-    #[inline(always)]
-    fn has_drops(&self) -> bool {
-        false
-    }
-
-    /// Voltage lost on the way to the winding, as its share of 2R, that is in units of current:
-    /// `current` is what flows at the end of the interval without this loss, and `per_drop` how much
-    /// of a drop held over the interval is missing from it at the end. With `per_drop` zero the
-    /// law is evaluated at `current` itself.
-    fn voltage_drop(&self, _current: S, _per_drop: S) -> S {
-        S::ZERO
-    }
-
-    /// Current on the way to the winding where the current is the input, from the measured one.
-    fn true_current(&self, measured: S) -> S {
-        measured
-    }
-
-    /// What the sensor shows of a current.
-    fn measured_current(&self, current: S) -> S {
-        current
-    }
-
-    /// Torque on a mass from its own motion.
-    fn torque(&self, _mass: usize, _at: Motion<S>) -> Torque<S> {
-        Torque { value: S::ZERO, slope: S::ZERO }
-    }
-
-    /// The deflection that a stage's spring feels, and its derivative with the geometric one.
-    fn deflection(&self, _stage: usize, deflection: S) -> (S, S) {
-        (deflection, S::ONE)
-    }
-
-    /// One over the factor on a mass's LuGre level g(v); `transmitted` is the torque that the mass
-    /// passes on (its stage's torque, spring and damper; the motor torque for the rotor).
-    fn inverse_level(&self, _mass: usize, _speed: S, _transmitted: S) -> S {
-        S::ONE
-    }
-
-    /// Factor on a mass's viscous coefficient.
-    fn viscous(&self, _mass: usize, _speed: S) -> S {
-        S::ONE
-    }
-}
-
-impl<S: Scalar> Effects<S> for () {}

@@ -1,14 +1,11 @@
 //! A handful of effects chosen at run time, for the host and for firmware that takes them from its
 //! parameter block. A joint with a fixed set names its types instead and pays for no dispatch.
 
-use super::asymmetric_friction::AsymmetricFriction;
-use super::backlash::Backlash;
-use super::cogging::Cogging;
-use super::current_offset::CurrentOffset;
-use super::dead_time::DeadTime;
-use super::gravity::Gravity;
-use super::load_dependent_friction::LoadDependentFriction;
-use super::{EffectParameters, Effects, Kind, Motion, Torque};
+use super::hooks::{
+    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Rubbing, Torque, Winding,
+};
+use super::{Effect, EffectParameters, Kind};
+use crate::angle::Angle;
 use crate::params::{Load, Location};
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
@@ -17,53 +14,73 @@ use heapless::Vec;
 /// Most effects one joint has.
 pub const MAX_EFFECTS: usize = 12;
 
-/// One effect's law, per-unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = ""))]
-#[non_exhaustive]
-pub enum Effect<S: Scalar> {
-    /// Friction that differs by direction.
-    AsymmetricFriction(AsymmetricFriction<S>),
-    /// Play in a stage.
-    Backlash(Backlash<S>),
-    /// Torque that follows the rotor angle.
-    Cogging(Cogging<S>),
-    /// A current sensor's zero.
-    CurrentOffset(CurrentOffset<S>),
-    /// Voltage lost against the current's sign.
-    DeadTime(DeadTime<S>),
-    /// A pendulum.
-    Gravity(Gravity<S>),
-    /// Friction that grows with the torque passed on.
-    LoadDependentFriction(LoadDependentFriction<S>),
-}
-
 impl<S: Scalar> Effect<S> {
-    /// The law in the units of `bases`; `None` where the place does not exist.
-    pub fn new(effect: &EffectParameters, bases: &Bases<'_>) -> Option<Self> {
+    /// The law in the units of `bases`, with its memory in `slot` if it has one; `None` where the
+    /// place does not exist.
+    pub fn new(effect: &EffectParameters, bases: &Bases<'_>, slot: u8) -> Option<Self> {
+        use super::*;
         let values = &effect.values;
         let mass = bases.mass(effect.location)?;
         let index = u8::try_from(mass).ok()?;
-        let (torque, angle) = (bases.torque_at(mass), bases.angle_at(mass));
+        let before = index.checked_sub(1);
+        let (torque, angle, speed) =
+            (bases.torque_at(mass), bases.angle_at(mass), bases.speed * bases.shaft(mass));
+        let half = bases.half_step;
+        let own = [torque, angle, speed * half];
+        let (resistance, current) = (bases.resistance, bases.current);
+        let behind = matches!(effect.location, Location::OutputEncoder);
         Some(match effect.kind {
             Kind::AsymmetricFriction => {
                 let reversed = bases.shaft(mass) < 0.0;
-                Self::AsymmetricFriction(AsymmetricFriction::new(index, values, reversed))
+                asymmetric_friction::AsymmetricFriction::new(index, values, reversed).into()
             }
-            Kind::Backlash => {
-                Self::Backlash(Backlash::new(index.checked_sub(1)?, values, angle.abs()))
+            Kind::Backlash => backlash::Backlash::new(before?, values, angle.abs()).into(),
+            Kind::Coating => coating::Coating::new(index, slot, values, own).into(),
+            Kind::Cogging => cogging::Cogging::new(values, torque, angle).into(),
+            Kind::CurrentGain => current_gain::CurrentGain::new(values).into(),
+            Kind::CurrentOffset => current_offset::CurrentOffset::new(values, current).into(),
+            Kind::DeadTime => dead_time::DeadTime::new(values, resistance, current).into(),
+            Kind::EncoderEccentricity => {
+                encoder_eccentricity::EncoderEccentricity::new(behind, values).into()
             }
-            Kind::Cogging => Self::Cogging(Cogging::new(values, torque, angle)),
-            Kind::CurrentOffset => Self::CurrentOffset(CurrentOffset::new(values, bases.current)),
-            Kind::DeadTime => {
-                Self::DeadTime(DeadTime::new(values, bases.resistance, bases.current))
+            Kind::Gravity => gravity::Gravity::new(index, values, torque, angle).into(),
+            Kind::HardeningStiffness => {
+                hardening_stiffness::HardeningStiffness::new(before?, values, torque, angle).into()
             }
-            Kind::Gravity => Self::Gravity(Gravity::new(index, values, torque, angle)),
             Kind::LoadDependentFriction => {
                 let coulomb = bases.coulomb_at(mass);
-                let law = LoadDependentFriction::new(index, values, coulomb, torque.abs());
-                Self::LoadDependentFriction(law)
+                load_dependent_friction::LoadDependentFriction::new(
+                    index,
+                    values,
+                    coulomb,
+                    torque.abs(),
+                )
+                .into()
+            }
+            Kind::LubricantWarming => {
+                lubricant_warming::LubricantWarming::new(index, slot, values, speed, half).into()
+            }
+            Kind::PositionDependentFriction => {
+                position_dependent_friction::PositionDependentFriction::new(index, values).into()
+            }
+            Kind::QuadraticDrag => {
+                quadratic_drag::QuadraticDrag::new(values, torque, bases.speed).into()
+            }
+            Kind::SensorDelay => sensor_delay::SensorDelay::new(behind, values, speed).into(),
+            Kind::StructuralHysteresis => {
+                structural_hysteresis::StructuralHysteresis::new(before?, slot, values, own).into()
+            }
+            Kind::SupplySag => supply_sag::SupplySag::new(values, resistance, current).into(),
+            Kind::TorqueRipple => torque_ripple::TorqueRipple::new(values).into(),
+            Kind::TorqueSaturation => {
+                torque_saturation::TorqueSaturation::new(values, current).into()
+            }
+            Kind::TransmissionError => {
+                let input = bases.angle_at(mass.checked_sub(1)?);
+                transmission_error::TransmissionError::new(before?, values, angle, input).into()
+            }
+            Kind::WindingHeating => {
+                winding_heating::WindingHeating::new(slot, values, current, half).into()
             }
         })
     }
@@ -80,30 +97,34 @@ pub struct EffectSet<S: Scalar> {
     uses: Uses,
 }
 
-/// Which laws a set has, found when it is built, so that the step passes over the others.
+/// Which hooks a set has, found when it is built, so that the step passes over the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Uses {
     /// A bit for every mass that a torque acts on.
     torques: u32,
     levels: bool,
-    viscous: bool,
-    deflections: bool,
+    angled_levels: bool,
     drops: bool,
+    constants: bool,
+    stages: bool,
+    damping: bool,
+    memory: bool,
 }
 
 impl Uses {
     fn with<S: Scalar>(self, effect: &Effect<S>) -> Self {
-        match effect {
-            Effect::AsymmetricFriction(_) => Self { levels: true, viscous: true, ..self },
-            Effect::Backlash(_) => Self { deflections: true, ..self },
-            Effect::Cogging(_) => Self { torques: self.torques | 1, ..self },
-            Effect::CurrentOffset(_) => self,
-            Effect::DeadTime(_) => Self { drops: true, ..self },
-            Effect::Gravity(law) => {
-                Self { torques: self.torques | 1_u32.wrapping_shl(u32::from(law.mass)), ..self }
-            }
-            Effect::LoadDependentFriction(_) => Self { levels: true, ..self },
-        }
+        law!(effect, law => Self {
+            torques: (0..32_usize).fold(self.torques, |bits, mass| {
+                bits | u32::from(Effects::<S>::has_torque(law, mass)) << mass
+            }),
+            levels: self.levels | Effects::<S>::has_levels(law),
+            angled_levels: self.angled_levels | Effects::<S>::has_angled_levels(law),
+            drops: self.drops | Effects::<S>::has_drops(law),
+            constants: self.constants | Effects::<S>::has_constants(law),
+            stages: self.stages | Effects::<S>::has_stages(law),
+            damping: self.damping | Effects::<S>::has_damping(law),
+            memory: self.memory | Effects::<S>::has_memory(law),
+        })
     }
 }
 
@@ -121,18 +142,23 @@ impl<S: Scalar> From<EffectSet<S>> for Laws<S> {
 }
 
 impl<S: Scalar> EffectSet<S> {
-    /// The laws of these effects and of the load's gravity; `None` where a place does not exist
-    /// or there are more than [`MAX_EFFECTS`].
+    /// The laws of these effects and of the load's gravity; `None` where a place does not exist,
+    /// or there are more than [`MAX_EFFECTS`], or more than [`MEMORIES`] that remember.
     pub fn new(effects: &[EffectParameters], load: &Load, bases: &Bases<'_>) -> Option<Self> {
         let mut laws = Laws::new();
         if load.gravity_nm != 0.0 {
             let gravity = EffectParameters::new(Kind::Gravity, Location::Output)
                 .with("amplitude_nm", load.gravity_nm)
                 .with("phase_rad", load.gravity_phase_rad);
-            laws.push(Effect::new(&gravity, bases)?).ok()?;
+            laws.push(Effect::new(&gravity, bases, 0)?).ok()?;
         }
+        let mut slot = 0;
         for effect in effects {
-            laws.push(Effect::new(effect, bases)?).ok()?;
+            if effect.kind.remembers() && usize::from(slot) >= MEMORIES {
+                return None;
+            }
+            laws.push(Effect::new(effect, bases, slot)?).ok()?;
+            slot += u8::from(effect.kind.remembers());
         }
         Some(laws.into())
     }
@@ -155,85 +181,123 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
     }
 
     #[inline(always)]
+    fn has_angled_levels(&self) -> bool {
+        self.uses.angled_levels
+    }
+
+    #[inline(always)]
     fn has_drops(&self) -> bool {
         self.uses.drops
     }
 
+    #[inline(always)]
+    fn has_constants(&self) -> bool {
+        self.uses.constants
+    }
+
+    #[inline(always)]
+    fn has_stages(&self) -> bool {
+        self.uses.stages
+    }
+
+    #[inline(always)]
+    fn has_damping(&self) -> bool {
+        self.uses.damping
+    }
+
+    #[inline(always)]
+    fn has_memory(&self) -> bool {
+        self.uses.memory
+    }
+
     #[inline]
-    fn voltage_drop(&self, current: S, per_drop: S) -> S {
-        self.effects.iter().fold(S::ZERO, |sum, effect| match effect {
-            Effect::DeadTime(law) => sum + law.drop(current, per_drop),
-            _ => sum,
+    fn voltage_drop(&self, at: Winding<S>, memory: &Memory<S>) -> S {
+        self.effects
+            .iter()
+            .fold(S::ZERO, |sum, effect| sum + law!(effect, law => law.voltage_drop(at, memory)))
+    }
+
+    #[inline]
+    fn constants(&self, angle: Angle<S>, current: S) -> Constants<S> {
+        let none = Constants { torque: S::ZERO, back_emf: S::ZERO };
+        self.effects.iter().fold(none, |sum, effect| {
+            let own = law!(effect, law => law.constants(angle, current));
+            Constants { torque: sum.torque + own.torque, back_emf: sum.back_emf + own.back_emf }
         })
     }
 
     #[inline]
     fn true_current(&self, measured: S) -> S {
-        self.effects.iter().fold(measured, |current, effect| match effect {
-            Effect::CurrentOffset(law) => law.actual(current),
-            _ => current,
-        })
+        let undone = self.effects.iter().rev();
+        undone.fold(measured, |current, effect| law!(effect, law => law.true_current(current)))
     }
 
     #[inline]
     fn measured_current(&self, current: S) -> S {
-        self.effects.iter().fold(current, |current, effect| match effect {
-            Effect::CurrentOffset(law) => law.measured(current),
-            _ => current,
+        let effects = self.effects.iter();
+        effects.fold(current, |current, effect| law!(effect, law => law.measured_current(current)))
+    }
+
+    #[inline]
+    fn encoder_error(&self, output: bool, angle: Angle<S>, speed: S) -> S {
+        self.effects.iter().fold(S::ZERO, |sum, effect| {
+            sum + law!(effect, law => law.encoder_error(output, angle, speed))
         })
     }
 
     #[inline]
-    fn torque(&self, mass: usize, at: Motion<S>) -> Torque<S> {
-        let none = Torque { value: S::ZERO, slope: S::ZERO };
-        self.effects.iter().fold(none, |sum, effect| {
-            let torque = match effect {
-                Effect::Cogging(law) if mass == 0 => law.torque(at),
-                Effect::Gravity(law) if mass == usize::from(law.mass) => law.torque(at),
-                _ => return sum,
-            };
-            Torque { value: sum.value + torque.value, slope: sum.slope + torque.slope }
+    fn torque(&self, mass: usize, at: Motion<S>, memory: &Memory<S>) -> Torque<S> {
+        self.effects.iter().fold(Torque::NONE, |sum, effect| {
+            sum.plus(law!(effect, law => law.torque(mass, at, memory)))
         })
     }
 
     #[inline]
-    fn deflection(&self, stage: usize, deflection: S) -> (S, S) {
-        if !self.uses.deflections {
-            return (deflection, S::ONE);
+    fn stage(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
+        let start = Felt { deflection, contact: S::ONE, leverage: S::ONE };
+        self.effects.iter().fold(start, |felt, effect| {
+            let own = law!(effect, law => law.stage(stage, felt.deflection, input));
+            Felt {
+                deflection: own.deflection,
+                contact: felt.contact * own.contact,
+                leverage: felt.leverage * own.leverage,
+            }
+        })
+    }
+
+    #[inline]
+    fn stage_torque(&self, stage: usize, felt: S, memory: &Memory<S>) -> Torque<S> {
+        self.effects.iter().fold(Torque::NONE, |sum, effect| {
+            sum.plus(law!(effect, law => law.stage_torque(stage, felt, memory)))
+        })
+    }
+
+    #[inline]
+    fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
+        self.effects
+            .iter()
+            .fold(S::ONE, |level, effect| level * law!(effect, law => law.inverse_level(mass, at)))
+    }
+
+    #[inline]
+    fn viscous(&self, mass: usize, speed: S, memory: &Memory<S>) -> S {
+        self.effects.iter().fold(S::ONE, |factor, effect| {
+            factor * law!(effect, law => law.viscous(mass, speed, memory))
+        })
+    }
+
+    #[inline]
+    fn drag(&self, mass: usize, speed: S) -> S {
+        self.effects
+            .iter()
+            .fold(S::ZERO, |sum, effect| sum + law!(effect, law => law.drag(mass, speed)))
+    }
+
+    #[inline]
+    fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
+        for effect in &self.effects {
+            law!(effect, law => law.relax(flow, each));
         }
-        self.effects.iter().fold((deflection, S::ONE), |(felt, slope), effect| match effect {
-            Effect::Backlash(law) if stage == usize::from(law.stage) => {
-                let (felt, own) = law.deflection(felt);
-                (felt, slope * own)
-            }
-            _ => (felt, slope),
-        })
-    }
-
-    #[inline]
-    fn inverse_level(&self, mass: usize, speed: S, transmitted: S) -> S {
-        self.effects.iter().fold(S::ONE, |level, effect| match effect {
-            Effect::AsymmetricFriction(law) if mass == usize::from(law.mass) => {
-                level * law.inverse_level(speed)
-            }
-            Effect::LoadDependentFriction(law) if mass == usize::from(law.mass) => {
-                level * law.inverse_level(transmitted)
-            }
-            _ => level,
-        })
-    }
-
-    #[inline]
-    fn viscous(&self, mass: usize, speed: S) -> S {
-        if !self.uses.viscous {
-            return S::ONE;
-        }
-        self.effects.iter().fold(S::ONE, |factor, effect| match effect {
-            Effect::AsymmetricFriction(law) if mass == usize::from(law.mass) => {
-                factor * law.viscous(speed)
-            }
-            _ => factor,
-        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Cogging: lines in the rotor's torque at whole orders of its angle, the same at every current
 //! and speed. Every order that the record resolves is tried; the best few become hypotheses, each
-//! with its double. Where less than a turn is seen, as on a linear axis, orders need not be whole.
+//! with its double.
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
@@ -12,10 +12,10 @@ use super::Scene;
 use crate::estimate::record::Channel;
 
 /// Highest order tried on a rotor that turns.
-const HIGHEST: u32 = 144;
-/// Least turns at which orders are whole: a rotor, not a linear axis.
+const HIGHEST: f64 = 144.0;
+/// Turns from which on an axis is a rotor, not a linear one.
 const A_TURN: f64 = 0.8;
-/// Orders tried on an axis that turns less.
+/// Resolved orders tried on an axis that turns less.
 const TRIED: u32 = 400;
 /// Orders that become hypotheses.
 const KEPT: usize = 2;
@@ -27,13 +27,9 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
 /// What every order that the model has no cogging of would explain: the peaks, strongest first.
 pub(super) fn spectrum(scene: &Scene<'_>, test: &ScoreTest<'_>) -> Vec<(f64, Gain)> {
     let turned = turned(scene);
-    let resolved = if turned < A_TURN { 0.5 / turned.max(1e-9) } else { 0.5 };
+    let resolved = 0.5 / turned.max(1e-9);
     let sampled = std::f64::consts::PI / typical_step(scene);
-    let mut orders: Vec<f64> = if turned < A_TURN {
-        (4..=TRIED).map(|k| f64::from(k) * resolved).collect()
-    } else {
-        (1..=HIGHEST).map(f64::from).collect()
-    };
+    let mut orders = tried(turned, resolved);
     orders.retain(|order| *order < sampled);
     let gains: Vec<Gain> = orders
         .par_iter()
@@ -49,6 +45,16 @@ pub(super) fn spectrum(scene: &Scene<'_>, test: &ScoreTest<'_>) -> Vec<(f64, Gai
         .collect();
     peaks.sort_by(|a, b| b.1.real.total_cmp(&a.1.real));
     peaks
+}
+
+/// Orders to try: every whole one that the travel can tell from its neighbour. A rotor has no
+/// others; an axis that turns little may be a linear one, whose lines lie far higher.
+fn tried(turned: f64, resolved: f64) -> Vec<f64> {
+    let stride = resolved.max(1.0);
+    let highest =
+        if turned < A_TURN { (f64::from(TRIED) * resolved).max(HIGHEST) } else { HIGHEST };
+    let count = (highest / stride) as u32;
+    (1..=count).map(|k| (f64::from(k) * stride).round()).collect()
 }
 
 fn hypothesis(scene: &Scene<'_>, order: f64, double: bool) -> Hypothesis {

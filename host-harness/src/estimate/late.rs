@@ -1,0 +1,73 @@
+//! Channels that are late, put back to when they were true.
+//!
+//! A measurement that shows the past belongs to a past state. Shifted by whole samples it is taken
+//! there at once; what is left is less than half a sample, which the encoder's law covers with the
+//! speed.
+
+use std::borrow::Cow;
+
+use joint_core::effect::Kind;
+use joint_core::params::Location;
+
+use super::record::{CHANNELS, Channel, Record};
+use crate::encoders::delay;
+use crate::model::Model;
+
+/// A record's measurements by the sample at which they were true.
+#[derive(Clone, Debug)]
+pub struct Late<'a> {
+    /// Measurements; NaN where the shift leaves none.
+    pub measured: Cow<'a, [[f64; CHANNELS]]>,
+    /// Delay that the shift has undone, s.
+    pub by: [f64; CHANNELS],
+    /// The same in samples.
+    pub samples: [isize; CHANNELS],
+}
+
+impl<'a> Late<'a> {
+    /// Of a record, by the delays of a model.
+    pub fn of(model: &Model, record: &'a Record) -> Self {
+        let mut late = Self {
+            measured: Cow::Borrowed(&record.measured),
+            by: [0.0; CHANNELS],
+            samples: [0; CHANNELS],
+        };
+        if !model.effects.iter().any(|effect| effect.kind == Kind::SensorDelay) {
+            return late;
+        }
+        let interval = typical_interval(record);
+        for (channel, encoder) in
+            [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
+        {
+            let samples = (delay(model, encoder) / interval).round();
+            if samples != 0.0 && samples.abs() < record.len() as f64 {
+                let c = channel as usize;
+                late.by[c] = samples * interval;
+                late.samples[c] = samples as isize;
+                shift(late.measured.to_mut(), record, c, samples as isize);
+            }
+        }
+        late
+    }
+}
+
+/// Moves a channel towards the start of each of its logs.
+fn shift(measured: &mut [[f64; CHANNELS]], record: &Record, c: usize, samples: isize) {
+    for (number, start) in record.starts.iter().enumerate() {
+        let end = record.starts.get(number + 1).copied().unwrap_or(record.len());
+        for (k, row) in measured.iter_mut().enumerate().take(end).skip(*start) {
+            let from = k.checked_add_signed(samples).filter(|from| (*start..end).contains(from));
+            row[c] = from.map_or(f64::NAN, |from| record.measured[from][c]);
+        }
+    }
+}
+
+/// Median interval, s.
+fn typical_interval(record: &Record) -> f64 {
+    let mut intervals: Vec<f64> = record.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = intervals.len() / 2;
+    if intervals.is_empty() {
+        return 1.0;
+    }
+    *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
+}

@@ -1,0 +1,122 @@
+//! A coating at the joint: an elastic skin that is bent with the output and gives some of it back
+//! late.
+//!
+//! Torque on the output `−(k q + k3 q³ + h ζ/w)`, with `ζ' = ω − |ω| ζ/w`: elastic, cubic, and a
+//! relaxation loop of height h and width w. Source: the paper's coating block; form of the loop
+//! after Dahl.
+
+use super::hooks::{Effects, Flow, Memory, Motion, Relaxation, Torque};
+use super::{ParameterSpec, Spec};
+use crate::params::Location;
+use crate::scalar::Scalar;
+
+/// Name, places and parameters.
+pub const SPEC: Spec = Spec {
+    kind: "coating",
+    locations: &[Location::Output],
+    parameters: &[
+        ParameterSpec { key: "stiffness_nm_per_rad", default: None, low: -1e12, high: 1e12 },
+        ParameterSpec { key: "hysteresis_nm", default: Some(0.0), low: -1e9, high: 1e9 },
+        // w.
+        ParameterSpec { key: "width_rad", default: Some(0.02), low: 1e-9, high: 1e3 },
+        ParameterSpec {
+            key: "cubic_stiffness_nm_per_rad3",
+            default: Some(0.0),
+            low: -1e12,
+            high: 1e12,
+        },
+    ],
+};
+
+/// The law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct Coating<S: Scalar> {
+    mass: u8,
+    slot: u8,
+    linear: S::Gain,
+    cubic: S::Gain,
+    loop_height: S,
+    slope: S::Gain,
+    cubic_slope: S::Gain,
+    loop_slope: S::Gain,
+    per_width: S::Gain,
+}
+
+impl<S: Scalar> Coating<S> {
+    /// From the values of [`SPEC`], with the units of torque (Nm) and angle (rad) at the output,
+    /// and how far a unit of speed moves in half a micro-step, rad there.
+    pub fn new(mass: u8, slot: u8, values: &[f64], [torque, angle, moved]: [f64; 3]) -> Self {
+        let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
+        let turn = core::f64::consts::TAU;
+        let (linear, cubic) = (value(0) / torque, value(3) / torque);
+        Self {
+            mass,
+            slot,
+            linear: S::gain(linear * turn),
+            cubic: S::gain(cubic * turn * turn * turn),
+            loop_height: S::from_f64(value(1) / libm::fabs(torque)),
+            slope: S::gain(linear * angle),
+            cubic_slope: S::gain(3.0 * cubic * turn * turn * angle),
+            loop_slope: S::gain(libm::fabs(angle) / value(2)),
+            per_width: S::gain(libm::fabs(moved) / value(2)),
+        }
+    }
+}
+
+impl<S: Scalar> Effects<S> for Coating<S> {
+    fn has_torque(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
+    }
+
+    fn has_memory(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn torque(&self, mass: usize, at: Motion<S>, memory: &Memory<S>) -> Torque<S> {
+        let bent = match memory.get(usize::from(self.slot)) {
+            Some(bent) if mass == usize::from(self.mass) => *bent,
+            _ => return Torque::NONE,
+        };
+        let square = at.turns * at.turns;
+        let value = at.turns.times(self.linear)
+            + (at.turns * square).times(self.cubic)
+            + self.loop_height * bent;
+        let slope = S::ONE.times(self.slope)
+            + square.times(self.cubic_slope)
+            + (self.loop_height * (S::ONE - bent.abs())).times(self.loop_slope);
+        Torque { value: -value, slope: -slope }
+    }
+
+    #[inline]
+    fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
+        let moved = flow.speed(usize::from(self.mass)).times(self.per_width);
+        let target = if moved < S::ZERO { -S::ONE } else { S::ONE };
+        each(Relaxation { slot: self.slot, reach: moved.abs(), target });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::hooks::MEMORIES;
+    use super::*;
+    use crate::angle::Angle;
+
+    #[test]
+    fn the_torque_is_the_equation_at_any_number_of_turns() {
+        let (k, h, w, k3) = (0.2, 0.1, 0.02, 0.01);
+        let law = Coating::<f64>::new(1, 0, &[k, h, w, k3], [1.0; 3]);
+        let mut memory = [0.0; MEMORIES];
+        memory[0] = -0.7;
+        for q in [-9.0, -0.4, 0.0, 2.0] {
+            let turns = q / core::f64::consts::TAU;
+            let at = Motion { angle: Angle::from_turns(turns), turns, speed: 0.0 };
+            let torque = law.torque(1, at, &memory);
+            assert!((torque.value + k * q + k3 * q * q * q - 0.7 * h).abs() < 1e-9);
+            let slope = k + 3.0 * k3 * q * q + 0.3 * h / w;
+            assert!((torque.slope + slope).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! Where effects enter the step.
+//!
+//! A law implements [`Effects`] and overrides the hooks it lives in; every hook has a default that
+//! changes nothing, so a joint with the effects `()` compiles to the plain equations. Masses count
+//! from 0 at the rotor, stages from 0 at the motor; all quantities are per-unit and reflected to
+//! the motor shaft unless said otherwise.
+
+use crate::angle::Angle;
+use crate::scalar::Scalar;
+
+/// Most effects of one joint that remember something.
+pub const MEMORIES: usize = 4;
+
+/// What effects remember: temperatures over their reference, bent shares of a hysteresis.
+pub type Memory<S> = [S; MEMORIES];
+
+/// The motion of one mass. The angle is the mass's own.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<S> {
+    /// Angle of this mass modulo its own turns.
+    pub angle: Angle<S>,
+    /// The same angle with all its turns, for laws that do not repeat.
+    pub turns: S,
+    /// Speed of this mass.
+    pub speed: S,
+}
+
+/// A torque and what it changes by with the angle or deflection it depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct Torque<S> {
+    /// Torque, positive with motion on a mass and with a deflection in a stage.
+    pub value: S,
+    /// Derivative with respect to the angle or deflection.
+    pub slope: S,
+}
+
+impl<S: Scalar> Torque<S> {
+    /// None.
+    pub const NONE: Self = Self { value: S::ZERO, slope: S::ZERO };
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self { value: self.value + other.value, slope: self.slope + other.slope }
+    }
+}
+
+/// What a stage's spring feels of the geometric deflection.
+#[derive(Clone, Copy, Debug)]
+pub struct Felt<S> {
+    /// The deflection left for the spring.
+    pub deflection: S,
+    /// One where the spring is in contact, else zero.
+    pub contact: S,
+    /// Derivative of the deflection with the input angle: the input side feels the stage's torque
+    /// times this.
+    pub leverage: S,
+}
+
+/// Where a friction level is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Rubbing<S> {
+    /// Speed of the mass.
+    pub speed: S,
+    /// Torque that the mass passes on: its stage's torque, spring and damper; the motor torque for
+    /// the rotor.
+    pub transmitted: S,
+    /// Angle of the mass modulo its own turns; zero unless [`Effects::has_angled_levels`].
+    pub angle: Angle<S>,
+}
+
+/// The winding over one kick. Voltages are shares of 2R, that is in units of current.
+#[derive(Clone, Copy, Debug)]
+pub struct Winding<S> {
+    /// Current at the end of the kick if nothing is lost.
+    pub current: S,
+    /// How much of a drop held over the kick is missing from the current at its end; zero asks for
+    /// the law at `current` itself.
+    pub per_drop: S,
+    /// The voltage that the drive holds.
+    pub drive: S,
+}
+
+impl<S: Scalar> Winding<S> {
+    /// The drop of a resistance, given as a share of 2R, that fits the current it leaves.
+    #[inline]
+    pub fn drop_of(&self, resistance: S) -> S {
+        (resistance * self.current).over(S::ONE + resistance * self.per_drop)
+    }
+}
+
+/// By how much the motor constants differ from their nominal values, relative.
+#[derive(Clone, Copy, Debug)]
+pub struct Constants<S> {
+    /// The torque constant.
+    pub torque: S,
+    /// The back-EMF constant.
+    pub back_emf: S,
+}
+
+/// What memories follow, held over half a micro-step.
+#[derive(Clone, Copy, Debug)]
+pub struct Flow<'a, S> {
+    /// Current in the winding.
+    pub current: S,
+    /// Speed of every mass, the rotor first.
+    pub speeds: &'a [S],
+}
+
+impl<S: Scalar> Flow<'_, S> {
+    pub(super) fn speed(&self, mass: usize) -> S {
+        self.speeds.get(mass).copied().unwrap_or(S::ZERO)
+    }
+}
+
+/// How a memory moves over half a micro-step: towards `target`, by `reach` time constants.
+#[derive(Clone, Copy, Debug)]
+pub struct Relaxation<S> {
+    /// Which memory.
+    pub slot: u8,
+    /// Half a micro-step over the time constant; per second in SI.
+    pub reach: S,
+    /// Where it tends to.
+    pub target: S,
+}
+
+/// The hooks. One whose `has_` says no is not called.
+pub trait Effects<S: Scalar> {
+    /// Whether [`Effects::torque`] is to be called for this mass: it needs the mass's angle.
+    #[inline(always)]
+    fn has_torque(&self, _mass: usize) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::inverse_level`] is to be called: it needs the transmitted torques.
+    #[inline(always)]
+    fn has_levels(&self) -> bool {
+        false
+    }
+
+    /// Whether that also needs the angles of the masses.
+    #[inline(always)]
+    fn has_angled_levels(&self) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::voltage_drop`] is to be called: it needs the kick twice.
+    #[inline(always)]
+    fn has_drops(&self) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::constants`] is to be called.
+    #[inline(always)]
+    fn has_constants(&self) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::stage`] or [`Effects::stage_torque`] is to be called: it needs the angles
+    /// of the masses.
+    #[inline(always)]
+    fn has_stages(&self) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::viscous`] and [`Effects::drag`] are to be called.
+    #[inline(always)]
+    fn has_damping(&self) -> bool {
+        false
+    }
+
+    /// Whether there is anything to remember.
+    #[inline(always)]
+    fn has_memory(&self) -> bool {
+        false
+    }
+
+    /// Voltage lost on the way to the winding, in units of current.
+    #[inline(always)]
+    fn voltage_drop(&self, _at: Winding<S>, _memory: &Memory<S>) -> S {
+        S::ZERO
+    }
+
+    /// The motor constants at a rotor angle and a current.
+    #[inline(always)]
+    fn constants(&self, _angle: Angle<S>, _current: S) -> Constants<S> {
+        Constants { torque: S::ZERO, back_emf: S::ZERO }
+    }
+
+    /// Current on the way to the winding where the current is the input, from the measured one.
+    #[inline(always)]
+    fn true_current(&self, measured: S) -> S {
+        measured
+    }
+
+    /// What the sensor shows of a current.
+    #[inline(always)]
+    fn measured_current(&self, current: S) -> S {
+        current
+    }
+
+    /// What an encoder shows beside the true angle, in its own turns: the motor's, or the output's
+    /// where `output` says so. The speed is the shaft's, reflected to the motor.
+    #[inline(always)]
+    fn encoder_error(&self, _output: bool, _angle: Angle<S>, _speed: S) -> S {
+        S::ZERO
+    }
+
+    /// Torque on a mass from its own motion.
+    #[inline(always)]
+    fn torque(&self, _mass: usize, _at: Motion<S>, _memory: &Memory<S>) -> Torque<S> {
+        Torque::NONE
+    }
+
+    /// What a stage's spring feels of its deflection; `input` is the angle of the mass before it,
+    /// modulo that mass's own turns.
+    #[inline(always)]
+    fn stage(&self, _stage: usize, deflection: S, _input: Angle<S>) -> Felt<S> {
+        Felt { deflection, contact: S::ONE, leverage: S::ONE }
+    }
+
+    /// Torque beside a stage's spring, from the deflection that it feels.
+    #[inline(always)]
+    fn stage_torque(&self, _stage: usize, _felt: S, _memory: &Memory<S>) -> Torque<S> {
+        Torque::NONE
+    }
+
+    /// One over the factor on a mass's LuGre level g(v).
+    #[inline(always)]
+    fn inverse_level(&self, _mass: usize, _at: Rubbing<S>) -> S {
+        S::ONE
+    }
+
+    /// Factor on a mass's viscous coefficient.
+    #[inline(always)]
+    fn viscous(&self, _mass: usize, _speed: S, _memory: &Memory<S>) -> S {
+        S::ONE
+    }
+
+    /// Damping beside a mass's viscous coefficient, torque per speed.
+    #[inline(always)]
+    fn drag(&self, _mass: usize, _speed: S) -> S {
+        S::ZERO
+    }
+
+    /// Gives how every memory moves.
+    #[inline(always)]
+    fn relax(&self, _flow: &Flow<'_, S>, _each: &mut impl FnMut(Relaxation<S>)) {}
+}
+
+impl<S: Scalar> Effects<S> for () {}
