@@ -220,15 +220,31 @@ impl<'a> Block<'a> {
         Ok(Self { version, stages, crc: stored, payload })
     }
 
-    /// The coefficients.
+    /// The payload as one value.
     ///
     /// # Errors
-    /// [`BlockError::Payload`] where they are not what `T` looks like.
+    /// [`BlockError::Payload`] where it is not what `T` looks like.
     pub fn decode<T: DeserializeOwned>(&self) -> Result<T, BlockError> {
-        match postcard::take_from_bytes(self.payload) {
-            Ok((parameters, [])) => Ok(parameters),
-            _ => Err(BlockError::Payload),
-        }
+        last(self.payload)
+    }
+
+    /// The first value of the payload, and what comes after it.
+    ///
+    /// # Errors
+    /// [`BlockError::Payload`] where it is not what `T` looks like.
+    pub fn take<T: DeserializeOwned>(&self) -> Result<(T, &'a [u8]), BlockError> {
+        postcard::take_from_bytes(self.payload).map_err(|_| BlockError::Payload)
+    }
+}
+
+/// The value that these bytes are, and nothing after it.
+///
+/// # Errors
+/// [`BlockError::Payload`] where they are not what `T` looks like.
+pub fn last<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, BlockError> {
+    match postcard::take_from_bytes(bytes) {
+        Ok((value, [])) => Ok(value),
+        _ => Err(BlockError::Payload),
     }
 }
 

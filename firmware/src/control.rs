@@ -94,7 +94,7 @@ impl<const N: usize> Control<N> {
     }
 
     fn is_finite(&self) -> bool {
-        let State { current, angle, rotor, stages } = &self.state;
+        let State { current, angle, rotor, stages, .. } = &self.state;
         let mut sum =
             current.abs() + angle.part.abs() + rotor.speed.abs() + rotor.bristle.zeta.abs();
         for stage in stages {

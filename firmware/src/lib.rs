@@ -11,6 +11,7 @@ pub mod block;
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod board;
 pub mod control;
+pub mod link;
 pub mod parameters;
 pub mod replay;
 pub mod samples;

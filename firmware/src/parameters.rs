@@ -9,7 +9,7 @@ use joint_core::joint::Joint;
 use serde::{Deserialize, Serialize};
 
 use crate::admissible;
-use crate::block::{Block, BlockError};
+use crate::block::{self, Block, BlockError};
 
 /// The joint as the drive runs it: its effects are those that the block names.
 pub type DriveJoint<const N: usize> = Joint<f32, N, EffectSet<f32>>;
@@ -63,14 +63,18 @@ impl<const N: usize> Parameters<N> {
     ///
     /// # Errors
     /// The payload does not fit, or holds a value that the equations cannot take.
+    #[inline(never)]
     pub fn read(block: &Block<'_>) -> Result<Self, BlockError> {
         if usize::from(block.stages) != N {
             return Err(BlockError::Stages(block.stages));
         }
-        let parameters = match block.version {
-            1 => Self { joint: block.decode()?, sensing: Sensing::default() },
-            _ => block.decode()?,
+        // In parts: a joint is large for the stack, and is not to stand there once for each version.
+        let (joint, rest) = block.take()?;
+        let sensing = match block.version {
+            1 => Sensing::default(),
+            _ => block::last(rest)?,
         };
+        let parameters = Self { joint, sensing };
         admissible::check(&parameters).map_err(BlockError::Inadmissible)?;
         Ok(parameters)
     }

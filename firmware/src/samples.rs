@@ -49,8 +49,7 @@ impl core::fmt::Debug for Checksum {
 
 impl Default for Checksum {
     fn default() -> Self {
-        static CRC: crc::Crc<u32, crc::Table<1>> = joint_core::telemetry::frame::CRC32;
-        Self(CRC.digest())
+        Self(joint_core::telemetry::frame::CRC32.digest())
     }
 }
 

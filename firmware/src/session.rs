@@ -26,6 +26,7 @@ const DEFAULT_BLOCK: &[u8] = include_bytes!("default.block");
 /// The joint in operation, of as many stages as its block says.
 #[derive(Debug)]
 enum Joint {
+    NotStarted,
     None(Control<0>),
     One(Control<1>),
     Two(Control<2>),
@@ -33,19 +34,32 @@ enum Joint {
 }
 
 impl Joint {
-    fn read(block: &Block<'_>, standing: Status) -> Result<Self, BlockError> {
-        Ok(match block.stages {
-            0 => Self::None(Control::new(Parameters::read(block)?, standing)),
-            1 => Self::One(Control::new(Parameters::read(block)?, standing)),
-            2 => Self::Two(Control::new(Parameters::read(block)?, standing)),
-            3 => Self::Three(Control::new(Parameters::read(block)?, standing)),
-            more => return Err(BlockError::Stages(more)),
-        })
+    /// Reads the block in place: a joint is too large for a small stack to hold it twice.
+    fn read(&mut self, block: &Block<'_>, standing: Status) -> Result<(), BlockError> {
+        match block.stages {
+            0 => self.put(block, standing, Self::None),
+            1 => self.put(block, standing, Self::One),
+            2 => self.put(block, standing, Self::Two),
+            3 => self.put(block, standing, Self::Three),
+            more => Err(BlockError::Stages(more)),
+        }
+    }
+
+    #[inline(never)]
+    fn put<const N: usize>(
+        &mut self,
+        block: &Block<'_>,
+        standing: Status,
+        variant: fn(Control<N>) -> Self,
+    ) -> Result<(), BlockError> {
+        *self = variant(Control::new(Parameters::read(block)?, standing));
+        Ok(())
     }
 
     #[inline]
     fn tick(&mut self, sample: Sample, missed: u32) -> Report {
         match self {
+            Self::NotStarted => Report::default(),
             Self::None(control) => control.tick(sample, missed),
             Self::One(control) => control.tick(sample, missed),
             Self::Two(control) => control.tick(sample, missed),
@@ -53,17 +67,18 @@ impl Joint {
         }
     }
 
-    fn sensing(&self) -> &Sensing {
+    fn sensing(&self) -> Sensing {
         match self {
-            Self::None(control) => control.sensing(),
-            Self::One(control) => control.sensing(),
-            Self::Two(control) => control.sensing(),
-            Self::Three(control) => control.sensing(),
+            Self::NotStarted => Sensing::default(),
+            Self::None(control) => *control.sensing(),
+            Self::One(control) => *control.sensing(),
+            Self::Two(control) => *control.sensing(),
+            Self::Three(control) => *control.sensing(),
         }
     }
 }
 
-/// A drive in operation.
+/// A drive in operation. It is large, and lives in a static: before it is started it is all zeros.
 #[derive(Debug)]
 pub struct Session {
     joint: Joint,
@@ -76,26 +91,57 @@ pub struct Session {
     dropped_told: u32,
 }
 
+impl Default for Session {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Session {
+    /// A drive that is still to be started.
+    pub const fn new() -> Self {
+        Self {
+            joint: Joint::NotStarted,
+            hello: Hello {
+                mode: Mode::Defaults,
+                refusal: 0,
+                stages: 0,
+                block_version: 0,
+                parameters_crc: 0,
+                sample_time_s: 0.0,
+                motor_counts_per_turn: 0,
+                output_counts_per_turn: 0,
+                capture_samples: 0,
+            },
+            capture: Capture::new(),
+            every: 0,
+            since: 0,
+            hello_due: false,
+            dropped: 0,
+            dropped_told: 0,
+        }
+    }
+
     /// Starts with the parameters in this flash page, or, where they are refused, with the
-    /// documented defaults, in listen-only; the refusal is given back beside it, to be told.
+    /// documented defaults, in listen-only; the refusal is given back, to be told.
     ///
     /// # Errors
     /// The default block itself is refused: a program that was built wrongly.
-    pub fn start(page: &[u8]) -> Result<(Self, Option<BlockError>), BlockError> {
-        let read = Block::in_page(page).and_then(|block| {
-            Ok((Joint::read(&block, Status::default())?, block, Mode::Parameters))
+    pub fn start(&mut self, page: &[u8]) -> Result<Option<BlockError>, BlockError> {
+        let own = Block::in_page(page).and_then(|block| {
+            self.joint.read(&block, Status::default())?;
+            Ok(block)
         });
-        let ((joint, block, mode), refusal) = match read {
-            Ok(accepted) => (accepted, None),
+        let (block, mode, refusal) = match own {
+            Ok(block) => (block, Mode::Parameters, None),
             Err(refusal) => {
                 let block = Block::check(DEFAULT_BLOCK)?;
-                let joint = Joint::read(&block, Status::DEFAULTS)?;
-                ((joint, block, Mode::Defaults), Some(refusal))
+                self.joint.read(&block, Status::DEFAULTS)?;
+                (block, Mode::Defaults, Some(refusal))
             }
         };
-        let sensing = joint.sensing();
-        let hello = Hello {
+        let sensing = self.joint.sensing();
+        self.hello = Hello {
             mode,
             refusal: refusal.map_or(0, |refusal| refusal.code()),
             stages: block.stages,
@@ -106,17 +152,9 @@ impl Session {
             output_counts_per_turn: sensing.output_counts_per_turn,
             capture_samples: CAPTURE_SAMPLES as u32,
         };
-        let session = Self {
-            joint,
-            hello,
-            capture: Capture::new(),
-            every: DEFAULT_RATE,
-            since: 0,
-            hello_due: true,
-            dropped: 0,
-            dropped_told: 0,
-        };
-        Ok((session, refusal))
+        self.every = DEFAULT_RATE;
+        self.hello_due = true;
+        Ok(refusal)
     }
 
     /// What this drive says of itself.
@@ -125,7 +163,7 @@ impl Session {
     }
 
     /// The drive's sensors.
-    pub fn sensing(&self) -> &Sensing {
+    pub fn sensing(&self) -> Sensing {
         self.joint.sensing()
     }
 

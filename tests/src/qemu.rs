@@ -12,9 +12,11 @@ use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use firmware::block::PAGE_ADDRESS;
+
 const QEMU: &str = "qemu-system-arm";
 const TARGET: &str = "thumbv7em-none-eabihf";
-const PROGRAMS: [&str; 2] = ["replay", "count"];
+const PROGRAMS: [&str; 3] = ["replay", "count", "hil"];
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// An emulated board.
@@ -38,6 +40,14 @@ impl Board {
             Board::NetduinoPlus2 => "netduinoplus2",
             Board::Mps2An386 => "mps2-an386",
             Board::Mps2An500 => "mps2-an500",
+        }
+    }
+
+    /// Where the page of the parameters lies, by `memory.x`.
+    pub fn page_address(self) -> u32 {
+        match self {
+            Board::NetduinoPlus2 => PAGE_ADDRESS,
+            Board::Mps2An386 | Board::Mps2An500 => PAGE_ADDRESS - 0x0800_0000,
         }
     }
 }
@@ -129,17 +139,38 @@ fn build(map: &str, features: &[&str]) -> PathBuf {
 /// # Panics
 /// The emulator does not start, or the program does not end in two minutes.
 pub fn run(program: &str, board: Board, folder: &Path, arguments: &[&str]) -> Run {
+    run_elf(&firmware(program, board), board, folder, arguments, None)
+}
+
+/// Runs any program for a board, with the flash page of the parameters filled from a file.
+///
+/// # Panics
+/// As [`run`].
+pub fn run_elf(
+    elf: &Path,
+    board: Board,
+    folder: &Path,
+    arguments: &[&str],
+    page: Option<&Path>,
+) -> Run {
+    let program = elf.file_name().unwrap_or_default().to_string_lossy();
     let mut semihosting = format!("enable=on,target=native,arg={program}");
     for argument in arguments {
         semihosting.push_str(",arg=");
         semihosting.push_str(argument);
     }
-    let mut child = Command::new(QEMU)
+    let mut command = Command::new(QEMU);
+    if let Some(page) = page {
+        let address = board.page_address();
+        let page = page.display();
+        command.args(["-device", &format!("loader,file={page},addr={address:#x},force-raw=on")]);
+    }
+    let mut child = command
         .current_dir(folder)
         .args(["-M", board.machine(), "-display", "none", "-monitor", "none", "-serial", "null"])
         .args(["-icount", "shift=0,sleep=off", "-semihosting-config", &semihosting])
         .arg("-kernel")
-        .arg(firmware(program, board))
+        .arg(elf)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

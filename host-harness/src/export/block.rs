@@ -73,6 +73,5 @@ fn sensing(model: &Model, options: &DriveOptions) -> Sensing {
 /// # Errors
 /// What it would refuse it with.
 pub fn accepted(bytes: &[u8]) -> Result<(), BlockError> {
-    let (_, refusal) = session::Session::start(bytes)?;
-    refusal.map_or(Ok(()), Err)
+    session::Session::new().start(bytes)?.map_or(Ok(()), Err)
 }

@@ -20,6 +20,8 @@ enum Phase {
 /// How much of the record was sent.
 #[derive(Clone, Copy, Debug)]
 enum Sent {
+    /// Nothing is being sent.
+    All,
     Nothing,
     Samples(u32),
 }
@@ -31,7 +33,7 @@ pub struct Capture<const LENGTH: usize> {
     phase: Phase,
     last_tick: u32,
     last_speed: f32,
-    sent: Option<Sent>,
+    sent: Sent,
 }
 
 impl<const LENGTH: usize> Default for Capture<LENGTH> {
@@ -41,7 +43,7 @@ impl<const LENGTH: usize> Default for Capture<LENGTH> {
 }
 
 impl<const LENGTH: usize> Capture<LENGTH> {
-    /// An empty ring that waits to be armed.
+    /// An empty ring that waits to be armed: all zeros, which a static of it costs no flash.
     pub const fn new() -> Self {
         const { assert!(LENGTH > 0, "a ring holds at least one sample") };
         Self {
@@ -49,7 +51,7 @@ impl<const LENGTH: usize> Capture<LENGTH> {
             phase: Phase::Idle,
             last_tick: 0,
             last_speed: 0.0,
-            sent: None,
+            sent: Sent::All,
         }
     }
 
@@ -65,7 +67,7 @@ impl<const LENGTH: usize> Capture<LENGTH> {
     pub fn disarm(&mut self) {
         self.ring.clear();
         self.phase = Phase::Idle;
-        self.sent = None;
+        self.sent = Sent::All;
     }
 
     /// Whether a record is complete.
@@ -107,16 +109,17 @@ impl<const LENGTH: usize> Capture<LENGTH> {
     /// Starts sending the record from its beginning; nothing where it is not complete.
     pub fn fetch(&mut self) {
         if self.is_complete() {
-            self.sent = Some(Sent::Nothing);
+            self.sent = Sent::Nothing;
         }
     }
 
     /// The next part of the record that is being sent, its head first; the same one again until it
     /// [was sent](Capture::sent), and `None` when there is no more.
     pub fn pending(&self) -> Option<Message> {
-        let (sent, Phase::Complete { after }) = (self.sent?, self.phase) else { return None };
+        let Phase::Complete { after } = self.phase else { return None };
         let samples = self.ring.len() as u32;
-        let first = match sent {
+        let first = match self.sent {
+            Sent::All => return None,
             Sent::Nothing => {
                 return Some(Message::CaptureHead(CaptureHead {
                     samples,
@@ -137,11 +140,12 @@ impl<const LENGTH: usize> Capture<LENGTH> {
     /// Goes on to the next part.
     pub fn sent(&mut self) {
         let next = match self.sent {
-            None => return,
-            Some(Sent::Nothing) => 0,
-            Some(Sent::Samples(first)) => first + MAX_SAMPLES as u32,
+            Sent::All => return,
+            Sent::Nothing => 0,
+            Sent::Samples(first) => first + MAX_SAMPLES as u32,
         };
-        self.sent = (next < self.ring.len() as u32).then_some(Sent::Samples(next));
+        let more = next < self.ring.len() as u32;
+        self.sent = if more { Sent::Samples(next) } else { Sent::All };
     }
 }
 

@@ -18,7 +18,7 @@ use heapless::Vec;
 use super::Message;
 
 /// The checksum of frames and of parameter blocks.
-pub const CRC32: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+pub static CRC32: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Most bytes of a payload.
 pub const MAX_PAYLOAD: usize = 200;
