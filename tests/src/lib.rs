@@ -5,6 +5,7 @@
 //! means that nothing was looked at.
 
 pub mod data;
+pub mod drive;
 pub mod qemu;
 
 use std::io::Write;
