@@ -7,6 +7,7 @@ pub mod findings;
 pub mod force;
 pub mod gate;
 pub mod hypothesis;
+pub mod lines;
 pub mod next_experiment;
 pub mod score_test;
 pub mod search;

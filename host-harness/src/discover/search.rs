@@ -138,22 +138,13 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     let hypotheses: Vec<Hypothesis> =
         candidates::ALL.iter().flat_map(|candidate| candidate(&scene)).collect();
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
-    let lines = &scene.lines;
+    let listed = candidates::listed(&scene);
+    let lines: Vec<(f64, Gain)> =
+        listed.par_iter().map(|line| (line.start.values[0], test.gain(line))).collect();
     let by_chance = threshold(gains.iter().chain(lines.iter().map(|(_, gain)| gain)));
     let least = by_chance.max(LEAST_GAIN);
     if round == 1 {
-        let strongest = lines.first().map_or(0.0, |(_, gain)| gain.real);
-        // Lines only count where they rival the best hypothesis: every effect has some order.
-        let best = gains.iter().map(|gain| gain.real).fold(0.0, f64::max);
-        search.orders = lines
-            .iter()
-            .filter(|_| strongest > 0.3 * best)
-            .filter(|(_, gain)| {
-                gain.real > by_chance.min(LEAST_GAIN) && gain.real > 0.02 * strongest
-            })
-            .map(|(order, _)| *order)
-            .take(8)
-            .collect();
+        search.orders = told(&lines, &gains, by_chance);
     }
     let mut ranked: Vec<(&Hypothesis, f64)> =
         hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
@@ -292,6 +283,21 @@ fn from_afar(
     search.rounds.push(Round { name, gain, rivals: Vec::new() });
     search.after = stage;
     Ok(true)
+}
+
+/// The orders that are worth telling, strongest first.
+fn told(lines: &[(f64, Gain)], gains: &[Gain], by_chance: f64) -> Vec<f64> {
+    let strongest = lines.iter().map(|(_, gain)| gain.real).fold(0.0, f64::max);
+    // Lines only count where they rival the best hypothesis: every effect has some order.
+    let best = gains.iter().map(|gain| gain.real).fold(0.0, f64::max);
+    if strongest <= 0.3 * best {
+        return Vec::new();
+    }
+    let least = by_chance.min(LEAST_GAIN).max(0.02 * strongest);
+    let mut told: Vec<(f64, f64)> =
+        lines.iter().map(|(o, gain)| (*o, gain.real)).filter(|(_, gain)| *gain > least).collect();
+    told.sort_by(|a, b| b.1.total_cmp(&a.1));
+    told.into_iter().map(|(order, _)| order).take(8).collect()
 }
 
 /// What nothing reaches by chance: six sigma above the mean of the twins' best.
