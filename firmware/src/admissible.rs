@@ -144,14 +144,14 @@ impl Serializer for Walk {
 
     fn serialize_f32(self, value: f32) -> Result<(), Refused> {
         // Comparisons with a value that is no number are false.
-        let finite = value >= -LARGEST && value <= LARGEST;
+        let finite = (-LARGEST..=LARGEST).contains(&value);
         self.judge(
             finite
                 && match self.rule {
                     Rule::Finite | Rule::Whole(..) => true,
                     Rule::NotNegative => value >= 0.0,
                     Rule::Positive => value > 0.0,
-                    Rule::Between(low, high) => value >= low && value <= high,
+                    Rule::Between(low, high) => (low..=high).contains(&value),
                 },
         )
     }
@@ -422,7 +422,7 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30] {
             assert_eq!(check(&[0.0, bad]), Err("value"));
             assert!(check(&Some((1_u8, [bad]))).is_err());
-            assert!(check(&f64::from(bad)).is_err() == !bad.is_finite());
+            assert!(check(&f64::from(bad)).is_err() != bad.is_finite());
         }
     }
 }

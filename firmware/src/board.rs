@@ -224,17 +224,41 @@ pub fn parameter_page() -> &'static [u8] {
     }
     // SAFETY: the page is memory of the board that nothing writes while the program runs, and every
     // byte is a value.
-    unsafe { &*&raw const _parameter_page }
+    unsafe { &_parameter_page }
 }
 
-/// Bytes of stack that were ever used, where the runtime has painted it before the start.
-pub fn stack_used() -> usize {
-    unsafe extern "C" {
-        static mut _stack_start: u32;
-        static mut _stack_end: u32;
+unsafe extern "C" {
+    static mut _stack_start: u32;
+    static mut _stack_end: u32;
+}
+
+/// What the runtime paints the stack with.
+const PAINT: u32 = 0xcccc_cccc;
+
+/// Bytes of stack that `work` uses, with the interrupts that come meanwhile.
+#[inline(never)]
+pub fn stack_of(work: impl FnOnce()) -> usize {
+    let here = cortex_m::register::msp::read();
+    // A little is left for this function's own calls.
+    let top = (here - 64) as *mut u32;
+    let mut at = &raw mut _stack_end;
+    while at < top {
+        // SAFETY: between the stack's end and what is in use of it there is nothing but what
+        // returned functions have left.
+        unsafe {
+            at.write_volatile(PAINT);
+            at = at.add(1);
+        }
     }
-    /// What the runtime paints.
-    const PAINT: u32 = 0xcccc_cccc;
+    work();
+    let all = stack_used();
+    let above = (&raw const _stack_start as usize).saturating_sub(here as usize);
+    all.saturating_sub(above)
+}
+
+/// Bytes of stack that were ever used since it was painted, by the runtime before the start or by
+/// [`stack_of`].
+pub fn stack_used() -> usize {
     let (top, bottom) = (&raw const _stack_start, &raw const _stack_end);
     let mut at = bottom;
     // SAFETY: both ends are the linker's; the words between them are RAM, read once each and only

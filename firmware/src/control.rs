@@ -75,12 +75,13 @@ impl<const N: usize> Control<N> {
     /// The sample with what no sensor can show replaced by the last good value.
     fn plausible(&self, mut sample: Sample, status: &mut Status) -> Sample {
         let last = self.last.unwrap_or_default();
-        // Comparisons with a value that is no number are false.
-        if !(sample.voltage_v.abs() <= self.sensing.largest_voltage_v) {
+        // What is no number is within no limit.
+        let within = |value: f32, limit: f32| value.abs() <= limit;
+        if !within(sample.voltage_v, self.sensing.largest_voltage_v) {
             sample.voltage_v = last.voltage_v;
             *status = status.with(Status::MEASUREMENT);
         }
-        if !(sample.current_a.abs() <= self.sensing.largest_current_a) {
+        if !within(sample.current_a, self.sensing.largest_current_a) {
             sample.current_a = last.current_a;
             *status = status.with(Status::MEASUREMENT);
         }

@@ -14,5 +14,9 @@ pub mod control;
 pub mod link;
 pub mod parameters;
 pub mod replay;
+pub mod rtt;
 pub mod samples;
 pub mod session;
+pub mod six_step;
+#[cfg(any(feature = "stm32g431", feature = "stm32f405"))]
+pub mod stm32;

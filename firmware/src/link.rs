@@ -3,14 +3,30 @@
 //! It runs below the control interrupt and may be late; what it cannot get rid of it drops whole,
 //! with a sequence number, so that the reader sees the gap.
 
-use heapless::spsc::{Consumer, Producer};
+use heapless::mpmc::Queue;
 use joint_core::telemetry::frame::{Reader, encode};
 use joint_core::telemetry::{Command, Message};
 
+/// A queue of messages.
+///
+/// The crate deprecates its constructor because a producer that is interrupted may make others
+/// fail for as long; here only the task is ever interrupted, and what then finds no room is dropped
+/// and counted like anything else.
+#[expect(deprecated)]
+pub const fn messages() -> Messages {
+    Messages::new()
+}
+
+/// A queue of commands; as [`messages`].
+#[expect(deprecated)]
+pub const fn commands() -> Commands {
+    Commands::new()
+}
+
 /// Messages that wait for the task: 8 ms of reports at the default rate.
-pub const QUEUED_MESSAGES: usize = 8;
+pub type Messages = Queue<Message, 8>;
 /// Commands that wait for the interrupt.
-pub const QUEUED_COMMANDS: usize = 8;
+pub type Commands = Queue<Command, 8>;
 
 /// The sending and receiving end.
 #[derive(Debug, Default)]
@@ -22,11 +38,7 @@ pub struct Link {
 impl Link {
     /// Sends one waiting message as a frame; `write` takes it whole, or says that it did not. False
     /// where there was none.
-    pub fn send(
-        &mut self,
-        messages: &mut Consumer<'_, Message>,
-        write: impl FnOnce(&[u8]) -> bool,
-    ) -> bool {
+    pub fn send(&mut self, messages: &Messages, write: impl FnOnce(&[u8]) -> bool) -> bool {
         let Some(message) = messages.dequeue() else { return false };
         let frame = encode(&message, self.sequence);
         self.sequence = self.sequence.wrapping_add(1);
@@ -36,7 +48,7 @@ impl Link {
     }
 
     /// Takes in a byte and passes on the command that it completes; one that finds no room is lost.
-    pub fn receive(&mut self, byte: u8, commands: &mut Producer<'_, Command>) {
+    pub fn receive(&mut self, byte: u8, commands: &Commands) {
         let mut frame = self.reader.push(byte);
         while let Some(found) = frame {
             if let Message::Command(command) = found.message {

@@ -5,12 +5,12 @@
 //! in and messages out. So nothing is locked, the control period never waits, and what does not fit
 //! into the queue is dropped and counted.
 
-use heapless::spsc::Producer;
 use joint_core::telemetry::capture::Capture;
 use joint_core::telemetry::{Command, Hello, Message, Mode, Report, Sample, Status};
 
 use crate::block::{Block, BlockError};
 use crate::control::Control;
+use crate::link::Messages;
 use crate::parameters::{Parameters, Sensing};
 
 /// Samples in the capture ring: 51 ms at 20 kHz, and half the RAM.
@@ -23,8 +23,10 @@ pub const DEFAULT_RATE: u16 = 20;
 /// says what it is and that these bytes are it.
 const DEFAULT_BLOCK: &[u8] = include_bytes!("default.block");
 
-/// The joint in operation, of as many stages as its block says.
+/// The joint in operation, of as many stages as its block says. The tag is its own, so that what a
+/// session starts with is zero.
 #[derive(Debug)]
+#[repr(u8)]
 enum Joint {
     NotStarted,
     None(Control<0>),
@@ -152,7 +154,7 @@ impl Session {
             output_counts_per_turn: sensing.output_counts_per_turn,
             capture_samples: CAPTURE_SAMPLES as u32,
         };
-        self.every = DEFAULT_RATE;
+        (self.every, self.since) = (DEFAULT_RATE, 0);
         self.hello_due = true;
         Ok(refusal)
     }
@@ -186,13 +188,7 @@ impl Session {
     /// One control period: `missed` were lost before it, `flags` are the board's own. At most one
     /// message goes out.
     #[inline]
-    pub fn tick(
-        &mut self,
-        sample: Sample,
-        missed: u32,
-        flags: Status,
-        out: &mut Producer<'_, Message>,
-    ) -> Report {
+    pub fn tick(&mut self, sample: Sample, missed: u32, flags: Status, out: &Messages) -> Report {
         let mut report = self.joint.tick(sample, missed);
         report.status = report.status.with(flags);
         self.capture.take(&report);
@@ -202,27 +198,24 @@ impl Session {
             if out.enqueue(Message::Report(report)).is_err() {
                 self.dropped = self.dropped.wrapping_add(1);
             }
-        } else if out.ready() {
+        } else {
             self.send_other(out);
         }
         report
     }
 
-    /// What is less urgent than a report, into a queue that has room.
-    fn send_other(&mut self, out: &mut Producer<'_, Message>) {
-        let message = if self.hello_due {
-            self.hello_due = false;
-            Message::Hello(self.hello)
+    /// What is less urgent than a report, as far as there is room.
+    fn send_other(&mut self, out: &Messages) {
+        if self.hello_due {
+            self.hello_due = out.enqueue(Message::Hello(self.hello)).is_err();
         } else if self.dropped != self.dropped_told {
-            self.dropped_told = self.dropped;
-            Message::Dropped(self.dropped)
-        } else if let Some(part) = self.capture.pending() {
+            if out.enqueue(Message::Dropped(self.dropped)).is_ok() {
+                self.dropped_told = self.dropped;
+            }
+        } else if let Some(part) = self.capture.pending()
+            && out.enqueue(part).is_ok()
+        {
             self.capture.sent();
-            part
-        } else {
-            return;
-        };
-        // There is room.
-        let _ = out.enqueue(message);
+        }
     }
 }

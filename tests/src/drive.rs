@@ -2,10 +2,9 @@
 //! bit for bit.
 
 use firmware::block::{PAGE_BYTES, encode};
-use firmware::link::{Link, QUEUED_MESSAGES};
+use firmware::link::{self, Link};
 use firmware::parameters::{DriveJoint, Parameters, Sensing};
 use firmware::session::Session;
-use heapless::spsc::Queue;
 use joint_core::effect::EffectSet;
 use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::params::{Friction, Load, Motor, Stage};
@@ -119,16 +118,15 @@ pub fn plant(samples: usize) -> Vec<Sample> {
 pub fn run(page: &[u8], samples: &[Sample], commands: &[(u32, Command)]) -> Vec<u8> {
     let mut session = Session::new();
     session.start(page).unwrap();
-    let mut queue = Queue::<Message, QUEUED_MESSAGES>::new();
-    let (mut messages, mut waiting) = queue.split();
+    let messages = link::messages();
     let mut link = Link::default();
     let mut bytes = Vec::new();
     for (k, sample) in samples.iter().enumerate() {
         for (_, command) in commands.iter().filter(|(at, _)| *at as usize == k) {
             session.command(*command);
         }
-        session.tick(*sample, 0, Status::default(), &mut messages);
-        while link.send(&mut waiting, |frame| {
+        session.tick(*sample, 0, Status::default(), &messages);
+        while link.send(&messages, |frame| {
             bytes.extend_from_slice(frame);
             true
         }) {}

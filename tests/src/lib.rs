@@ -6,6 +6,7 @@
 
 pub mod data;
 pub mod drive;
+pub mod elf;
 pub mod qemu;
 
 use std::io::Write;

@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 use firmware::block::PAGE_ADDRESS;
 
 const QEMU: &str = "qemu-system-arm";
-const TARGET: &str = "thumbv7em-none-eabihf";
+/// What the firmware is built for.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
 const PROGRAMS: [&str; 3] = ["replay", "count", "hil"];
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
@@ -105,12 +106,21 @@ pub fn firmware(program: &str, board: Board) -> PathBuf {
     folder.join(program)
 }
 
+/// The workspace's root.
+pub fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Where the firmware is built.
+pub fn target_folder() -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => workspace().join(folder).join("qemu"),
+        None => workspace().join("target/qemu"),
+    }
+}
+
 fn build(map: &str, features: &[&str]) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let target = match std::env::var_os("CARGO_TARGET_DIR") {
-        Some(folder) => root.join(folder).join("qemu"),
-        None => root.join("target/qemu"),
-    };
+    let (root, target) = (workspace(), target_folder());
     let folder = target.join("boards").join(map);
     fs::create_dir_all(&folder).unwrap();
     let lock = File::create(target.join("boards/lock")).unwrap();

@@ -222,25 +222,23 @@ fn faults_are_flagged_where_they_are_and_no_estimate_is_lost_to_them() {
 
 #[test]
 fn what_nobody_takes_is_dropped_and_counted() {
-    use heapless::spsc::Queue;
     let (page, samples) = (block(&parameters()), plant(1_000));
     let mut session = firmware::session::Session::new();
     session.start(&page).unwrap();
     session.command(Command::Rate(1));
-    let mut queue = Queue::<Message, 8>::new();
-    let (mut messages, mut waiting) = queue.split();
+    let messages = firmware::link::messages();
     for sample in &samples[..900] {
-        session.tick(*sample, 0, Status::default(), &mut messages);
+        session.tick(*sample, 0, Status::default(), &messages);
     }
     let mut taken = 0;
-    while waiting.dequeue().is_some() {
+    while messages.dequeue().is_some() {
         taken += 1;
     }
     session.command(Command::Rate(0));
     let mut said = None;
     for sample in &samples[900..910] {
-        session.tick(*sample, 0, Status::default(), &mut messages);
-        if let Some(Message::Dropped(count)) = waiting.dequeue() {
+        session.tick(*sample, 0, Status::default(), &messages);
+        if let Some(Message::Dropped(count)) = messages.dequeue() {
             said = Some(count);
         }
     }

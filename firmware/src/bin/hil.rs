@@ -17,42 +17,39 @@ mod on_board {
     use cortex_m::peripheral::syst::SystClkSource;
     use critical_section::Mutex;
     use firmware::board::{self, Access, Failure, Sink};
-    use firmware::link::{Link, QUEUED_COMMANDS, QUEUED_MESSAGES};
+    use firmware::link::{self, Commands, Link, Messages};
     use firmware::session::Session;
-    use heapless::spsc::{Consumer, Producer, Queue};
+    use heapless::mpmc::Queue;
     use joint_core::telemetry::frame::{MAX_FRAME, Reader};
-    use joint_core::telemetry::{Command, Message, Sample, Status};
+    use joint_core::telemetry::{Message, Sample, Status};
     use semihosting::println;
 
     /// Samples that the plant is ahead of the interrupt.
-    const PLANT: usize = 32;
+    const AHEAD: usize = 32;
     const SAMPLE_BYTES: usize = 16;
     /// Instructions between two interrupts, by the emulator's clock of one a nanosecond: 50 µs at
     /// its 168 MHz, and more than a control period takes.
     const PERIOD: u32 = 8_400;
 
     /// What the interrupt owns.
-    struct Drive {
-        session: &'static mut Session,
-        samples: Consumer<'static, Sample>,
-        commands: Consumer<'static, Command>,
-        messages: Producer<'static, Message>,
-    }
-
-    static DRIVE: Mutex<RefCell<Option<Drive>>> = Mutex::new(RefCell::new(None));
+    static SESSION: Mutex<RefCell<Option<&'static mut Session>>> = Mutex::new(RefCell::new(None));
+    #[expect(deprecated)] // As in `link`: what fails is tried again.
+    static PLANT: Queue<Sample, AHEAD> = Queue::new();
+    static COMMANDS: Commands = link::commands();
+    static MESSAGES: Messages = link::messages();
     static PERIODS: AtomicU32 = AtomicU32::new(0);
 
     #[cortex_m_rt::exception]
     fn SysTick() {
         critical_section::with(|cs| {
-            let mut drive = DRIVE.borrow_ref_mut(cs);
-            let Some(drive) = drive.as_mut() else { return };
+            let mut session = SESSION.borrow_ref_mut(cs);
+            let Some(session) = session.as_mut() else { return };
             // The converter is done when the plant has a sample.
-            let Some(sample) = drive.samples.dequeue() else { return };
-            while let Some(command) = drive.commands.dequeue() {
-                drive.session.command(command);
+            let Some(sample) = PLANT.dequeue() else { return };
+            while let Some(command) = COMMANDS.dequeue() {
+                session.command(command);
             }
-            drive.session.tick(sample, 0, Status::default(), &mut drive.messages);
+            session.tick(sample, 0, Status::default(), &MESSAGES);
             PERIODS.fetch_add(1, Ordering::Relaxed);
         });
     }
@@ -76,24 +73,20 @@ mod on_board {
         println!("parameters_crc32={:08x}", session.hello().parameters_crc);
         println!("block_version={}", session.hello().block_version);
         println!("start_stack_bytes={}", board::stack_used());
+        let bytes = board::stack_of(|| {
+            let sample = core::hint::black_box(Sample::default());
+            session.tick(sample, 0, Status::default(), &MESSAGES);
+        });
+        println!("tick_stack_bytes={bytes}");
+        while MESSAGES.dequeue().is_some() {}
+        // Again from rest, as if it had not been.
+        session.start(board::parameter_page())?;
         Ok(session)
     }
 
     #[inline(never)]
     fn run(session: &'static mut Session) -> Result<(), Failure> {
-        let plant = cortex_m::singleton!(: Queue<Sample, PLANT> = Queue::new());
-        let commands = cortex_m::singleton!(: Queue<Command, QUEUED_COMMANDS> = Queue::new());
-        let messages = cortex_m::singleton!(: Queue<Message, QUEUED_MESSAGES> = Queue::new());
-        let (Some(plant), Some(commands), Some(messages)) = (plant, commands, messages) else {
-            return Err(Failure::Argument("queues"));
-        };
-        let (mut plant, samples) = plant.split();
-        let (mut ordered, commands) = commands.split();
-        let (messages, mut waiting) = messages.split();
-        critical_section::with(|cs| {
-            let drive = Drive { session, samples, commands, messages };
-            DRIVE.borrow_ref_mut(cs).replace(drive);
-        });
+        critical_section::with(|cs| SESSION.borrow_ref_mut(cs).replace(session));
 
         let Some(mut core) = cortex_m::Peripherals::take() else {
             return Err(Failure::Argument("peripherals"));
@@ -120,14 +113,14 @@ mod on_board {
             for sample in bytes.as_chunks().0 {
                 while let Some(order) = next.as_ref().filter(|order| order.sequence <= fed) {
                     // The command is to find every earlier sample taken.
-                    drain(fed, &mut link, &mut waiting, &mut frames)?;
+                    drain(fed, &mut link, &mut frames)?;
                     if let Message::Command(command) = order.message {
-                        let _ = ordered.enqueue(command);
+                        let _ = COMMANDS.enqueue(command);
                     }
                     next = orders.next();
                 }
-                while plant.enqueue(Sample::from_bytes(sample)).is_err() {
-                    send(&mut link, &mut waiting, &mut frames)?;
+                while PLANT.enqueue(Sample::from_bytes(sample)).is_err() {
+                    send(&mut link, &mut frames)?;
                 }
                 fed += 1;
             }
@@ -135,38 +128,28 @@ mod on_board {
                 break;
             }
         }
-        drain(fed, &mut link, &mut waiting, &mut frames)?;
+        drain(fed, &mut link, &mut frames)?;
         SCB::clear_pendst();
         core.SYST.disable_interrupt();
-        while send(&mut link, &mut waiting, &mut frames)? {}
+        while send(&mut link, &mut frames)? {}
         frames.flush()?;
         println!("samples={fed}");
         println!("frames_crc32={:08x}", frames.checksum());
-        println!("stack_bytes={}", board::stack_used());
         Ok(())
     }
 
     /// Sends what waits, until that many samples were taken.
-    fn drain(
-        fed: u32,
-        link: &mut Link,
-        waiting: &mut Consumer<'static, Message>,
-        frames: &mut Sink,
-    ) -> Result<(), Failure> {
+    fn drain(fed: u32, link: &mut Link, frames: &mut Sink) -> Result<(), Failure> {
         while PERIODS.load(Ordering::Relaxed) < fed {
-            send(link, waiting, frames)?;
+            send(link, frames)?;
         }
         Ok(())
     }
 
-    fn send(
-        link: &mut Link,
-        waiting: &mut Consumer<'static, Message>,
-        frames: &mut Sink,
-    ) -> Result<bool, Failure> {
+    fn send(link: &mut Link, frames: &mut Sink) -> Result<bool, Failure> {
         let mut bytes = [0; MAX_FRAME];
         let mut length = 0;
-        let sent = link.send(waiting, |frame| {
+        let sent = link.send(&MESSAGES, |frame| {
             length = frame.len();
             bytes.iter_mut().zip(frame).for_each(|(to, from)| *to = *from);
             true

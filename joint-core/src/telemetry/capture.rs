@@ -5,11 +5,13 @@
 //! the record waits to be fetched at whatever pace the link has. A record is what `joint discover`
 //! reads, so it is never overwritten before it is fetched or given up.
 
-use heapless::{HistoryBuf, Vec};
+use heapless::Vec;
 
 use super::{CaptureHead, MAX_SAMPLES, Message, Report, Sample, Trigger};
 
+// Tags of their own, so that what a capture starts with is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(u8)]
 enum Phase {
     Idle,
     Armed { trigger: Trigger, after: u32 },
@@ -19,6 +21,7 @@ enum Phase {
 
 /// How much of the record was sent.
 #[derive(Clone, Copy, Debug)]
+#[repr(u8)]
 enum Sent {
     /// Nothing is being sent.
     All,
@@ -29,7 +32,10 @@ enum Sent {
 /// A ring of `LENGTH` samples.
 #[derive(Debug)]
 pub struct Capture<const LENGTH: usize> {
-    ring: HistoryBuf<Sample, LENGTH>,
+    ring: [Sample; LENGTH],
+    /// Where the next sample goes: where the oldest is, once the ring is full.
+    at: usize,
+    held: usize,
     phase: Phase,
     last_tick: u32,
     last_speed: f32,
@@ -47,7 +53,10 @@ impl<const LENGTH: usize> Capture<LENGTH> {
     pub const fn new() -> Self {
         const { assert!(LENGTH > 0, "a ring holds at least one sample") };
         Self {
-            ring: HistoryBuf::new(),
+            ring: [const { Sample { voltage_v: 0.0, current_a: 0.0, motor_counts: 0, output_counts: 0 } };
+                LENGTH],
+            at: 0,
+            held: 0,
             phase: Phase::Idle,
             last_tick: 0,
             last_speed: 0.0,
@@ -65,7 +74,8 @@ impl<const LENGTH: usize> Capture<LENGTH> {
 
     /// Forgets what was captured and takes nothing more.
     pub fn disarm(&mut self) {
-        self.ring.clear();
+        self.at = 0;
+        self.held = 0;
         self.phase = Phase::Idle;
         self.sent = Sent::All;
     }
@@ -103,7 +113,11 @@ impl<const LENGTH: usize> Capture<LENGTH> {
             }
         }
         self.last_tick = report.tick;
-        self.ring.write(report.sample);
+        if let Some(slot) = self.ring.get_mut(self.at) {
+            *slot = report.sample;
+        }
+        self.at = if self.at + 1 < LENGTH { self.at + 1 } else { 0 };
+        self.held = if self.held < LENGTH { self.held + 1 } else { LENGTH };
     }
 
     /// Starts sending the record from its beginning; nothing where it is not complete.
@@ -117,7 +131,7 @@ impl<const LENGTH: usize> Capture<LENGTH> {
     /// [was sent](Capture::sent), and `None` when there is no more.
     pub fn pending(&self) -> Option<Message> {
         let Phase::Complete { after } = self.phase else { return None };
-        let samples = self.ring.len() as u32;
+        let samples = self.held as u32;
         let first = match self.sent {
             Sent::All => return None,
             Sent::Nothing => {
@@ -129,7 +143,8 @@ impl<const LENGTH: usize> Capture<LENGTH> {
             }
             Sent::Samples(first) => first,
         };
-        let (older, newer) = self.ring.as_slices();
+        let (newer, older) = self.ring.split_at_checked(self.at).unwrap_or_default();
+        let older = if self.held < LENGTH { &[] } else { older };
         let at = first as usize;
         let older_left = older.get(at..).unwrap_or_default();
         let newer_left = newer.get(at.saturating_sub(older.len())..).unwrap_or_default();
@@ -144,7 +159,7 @@ impl<const LENGTH: usize> Capture<LENGTH> {
             Sent::Nothing => 0,
             Sent::Samples(first) => first + MAX_SAMPLES as u32,
         };
-        let more = next < self.ring.len() as u32;
+        let more = next < self.held as u32;
         self.sent = if more { Sent::Samples(next) } else { Sent::All };
     }
 }

@@ -110,15 +110,22 @@ impl Reader {
     }
 
     fn drop_first(&mut self, count: usize) {
-        let length = self.buffer.len();
-        let left = length.saturating_sub(count);
-        if left > 0 && count > 0 {
-            self.buffer.copy_within(count..length, 0);
+        let left = self.buffer.len().saturating_sub(count);
+        if count == 0 {
+            return;
+        }
+        for at in 0..left {
+            if let Some(byte) = self.buffer.get(at + count).copied()
+                && let Some(slot) = self.buffer.get_mut(at)
+            {
+                *slot = byte;
+            }
         }
         self.buffer.truncate(left);
     }
 }
 
+#[expect(clippy::large_enum_variant, reason = "there is no heap to put it into")]
 enum Whole {
     NotYet,
     Never,
