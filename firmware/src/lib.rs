@@ -7,6 +7,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod admissible;
+pub mod any_control;
 pub mod block;
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod board;

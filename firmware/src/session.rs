@@ -8,10 +8,10 @@
 use joint_core::telemetry::capture::Capture;
 use joint_core::telemetry::{Command, Hello, Message, Mode, Report, Sample, Status};
 
+use crate::any_control::AnyControl;
 use crate::block::{Block, BlockError};
-use crate::control::Control;
 use crate::link::Messages;
-use crate::parameters::{Parameters, Sensing};
+use crate::parameters::Sensing;
 
 /// Samples in the capture ring: 51 ms at 20 kHz, and half the RAM.
 pub const CAPTURE_SAMPLES: usize = 1024;
@@ -23,67 +23,10 @@ pub const DEFAULT_RATE: u16 = 20;
 /// says what it is and that these bytes are it.
 const DEFAULT_BLOCK: &[u8] = include_bytes!("default.block");
 
-/// The joint in operation, of as many stages as its block says. The tag is its own, so that what a
-/// session starts with is zero.
-#[derive(Debug)]
-#[repr(u8)]
-enum Joint {
-    NotStarted,
-    None(Control<0>),
-    One(Control<1>),
-    Two(Control<2>),
-    Three(Control<3>),
-}
-
-impl Joint {
-    /// Reads the block in place: a joint is too large for a small stack to hold it twice.
-    fn read(&mut self, block: &Block<'_>, standing: Status) -> Result<(), BlockError> {
-        match block.stages {
-            0 => self.put(block, standing, Self::None),
-            1 => self.put(block, standing, Self::One),
-            2 => self.put(block, standing, Self::Two),
-            3 => self.put(block, standing, Self::Three),
-            more => Err(BlockError::Stages(more)),
-        }
-    }
-
-    #[inline(never)]
-    fn put<const N: usize>(
-        &mut self,
-        block: &Block<'_>,
-        standing: Status,
-        variant: fn(Control<N>) -> Self,
-    ) -> Result<(), BlockError> {
-        *self = variant(Control::new(Parameters::read(block)?, standing));
-        Ok(())
-    }
-
-    #[inline]
-    fn tick(&mut self, sample: Sample, missed: u32) -> Report {
-        match self {
-            Self::NotStarted => Report::default(),
-            Self::None(control) => control.tick(sample, missed),
-            Self::One(control) => control.tick(sample, missed),
-            Self::Two(control) => control.tick(sample, missed),
-            Self::Three(control) => control.tick(sample, missed),
-        }
-    }
-
-    fn sensing(&self) -> Sensing {
-        match self {
-            Self::NotStarted => Sensing::default(),
-            Self::None(control) => *control.sensing(),
-            Self::One(control) => *control.sensing(),
-            Self::Two(control) => *control.sensing(),
-            Self::Three(control) => *control.sensing(),
-        }
-    }
-}
-
 /// A drive in operation. It is large, and lives in a static: before it is started it is all zeros.
 #[derive(Debug)]
 pub struct Session {
-    joint: Joint,
+    joint: AnyControl,
     hello: Hello,
     capture: Capture<CAPTURE_SAMPLES>,
     every: u16,
@@ -103,7 +46,7 @@ impl Session {
     /// A drive that is still to be started.
     pub const fn new() -> Self {
         Self {
-            joint: Joint::NotStarted,
+            joint: AnyControl::NotStarted,
             hello: Hello {
                 mode: Mode::Defaults,
                 refusal: 0,

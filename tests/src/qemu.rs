@@ -90,6 +90,18 @@ pub fn available(test: &str) -> bool {
     found
 }
 
+/// Whether the C cross compiler is there; otherwise `test` is to be skipped.
+///
+/// # Panics
+/// It is not there and `CI` is set.
+pub fn c_compiler(test: &str) -> bool {
+    let found = Command::new("arm-none-eabi-gcc").arg("--version").output().is_ok();
+    if !found {
+        crate::skip(test, "arm-none-eabi-gcc is not installed");
+    }
+    found
+}
+
 /// The ELF file of a firmware program for a board; built once in a test process.
 ///
 /// # Panics
