@@ -201,7 +201,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut wound = S::ZERO;
         let mut number = 0;
         let mut input = angle;
-        let mut speed = rotor.speed;
         let mut before = &mut rotor.force;
         let slopes = gradient.springs.iter_mut().zip(&mut gradient.contact);
         let rows = slopes.zip(&mut gradient.masses);
@@ -214,15 +213,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *slope = own.spring.slope(felt.deflection) * felt.contact;
             if self.effects.has_stages() {
                 let beside = self.effects.stage_torque(stage_number, felt.deflection, memory);
-                // What the damper feels of an argument that moves by itself.
-                let moving = own.spring.damping_torque((felt.leverage - S::ONE) * speed);
-                torque = torque + beside.value + moving * felt.contact;
+                torque = torque + beside.value;
                 *slope = *slope + beside.slope;
             }
             *contact = felt.contact;
             *before = *before - torque * felt.leverage;
             let mass = &mut stage.mass;
-            speed = mass.speed;
             mass.force = torque - own.friction.torque(&mass.bristle);
             mass.damping = self.damping(&own.friction, number, mass, memory);
             *mass_slope = own.friction.slope(&mass.bristle);
@@ -230,7 +226,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             if self.effects.has_torque(number) || self.effects.has_stages() {
                 let motor = angle.ahead(-wound.times(self.turns));
                 input = own.own_angle(motor);
-                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed };
+                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed: mass.speed };
                 let torque = self.effects.torque(number, at, memory);
                 mass.force = mass.force + torque.value;
                 *mass_slope = *mass_slope - torque.slope;
