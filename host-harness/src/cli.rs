@@ -43,6 +43,8 @@ verbs! {
     Score => score,
     Demo => demo,
     Export => export,
+    Monitor => monitor,
+    Capture => capture,
 }
 
 /// Runs the command line of this process.

@@ -13,6 +13,7 @@ pub mod log;
 pub mod model;
 pub mod output;
 pub mod plant;
+pub mod probe;
 pub mod reference;
 pub mod report;
 pub mod scenario;

@@ -4,12 +4,15 @@
 //! wrong; it prints nothing on standard output itself, so that `--json` yields one object whatever
 //! the verb.
 
+pub mod capture;
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
+pub mod drive;
 pub mod export;
 pub mod identify;
 mod load;
+pub mod monitor;
 pub mod score;
 pub mod simulate;
 
