@@ -42,13 +42,25 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
         self.kick::<0>(state, input, state.angle);
         let first = state.rotor.speed;
+        let mut firsts = [S::ZERO; N];
+        for (first, stage) in firsts.iter_mut().zip(&state.stages) {
+            *first = stage.mass.speed;
+        }
         let ahead = state.angle.ahead(first.times(self.half_turn));
         self.half_drift(state, state.angle, ahead);
         let gradient = self.forces(state, ahead);
         self.correct(state, input, &gradient);
-        self.damp(state, &gradient);
+        if self.damped {
+            self.damp(state, &gradient);
+        }
         self.kick::<1>(state, input, ahead);
-        self.damp_back(state, &gradient);
+        if self.damped {
+            self.damp_back(state, &gradient);
+        }
+        self.rotor.straighten(&mut state.rotor, first);
+        for ((stage, own), first) in state.stages.iter_mut().zip(&self.stages).zip(firsts) {
+            own.friction.straighten(&mut stage.mass, first);
+        }
         let turned = (first + state.rotor.speed).times(self.half_turn);
         self.half_drift(state, ahead, state.angle.ahead(turned));
         state.angle.advance(turned);
@@ -65,6 +77,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for ((stage, own), level) in state.stages.iter_mut().zip(&self.stages).zip(stages) {
             own.friction.settle(&mut stage.mass, level);
         }
+        self.forces(state, state.angle);
+    }
+
+    /// The forces alone, after small corrections: how far a bristle has given way is kept.
+    #[inline]
+    pub(crate) fn reload(&self, state: &mut State<S, N>) {
         self.forces(state, state.angle);
     }
 
@@ -188,7 +206,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         };
         let rotor = &mut state.rotor;
         let memory = &state.memory;
-        rotor.force = -self.rotor.torque(&rotor.bristle);
         rotor.damping = self.damping(&self.rotor, 0, rotor, memory);
         gradient.rotor = self.rotor.slope(&rotor.bristle);
         if self.effects.has_torque(0) {
@@ -219,7 +236,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *contact = felt.contact;
             *before = *before - torque * felt.leverage;
             let mass = &mut stage.mass;
-            mass.force = torque - own.friction.torque(&mass.bristle);
+            mass.force = mass.force + torque;
             mass.damping = self.damping(&own.friction, number, mass, memory);
             *mass_slope = own.friction.slope(&mass.bristle);
             wound = wound + stage.deflection;

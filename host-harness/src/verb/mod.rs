@@ -13,6 +13,7 @@ pub mod export;
 pub mod identify;
 mod load;
 pub mod monitor;
+pub mod observe;
 pub mod score;
 pub mod simulate;
 
