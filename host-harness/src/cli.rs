@@ -44,6 +44,9 @@ verbs! {
     Observe => observe,
     Score => score,
     Demo => demo,
+    Export => export,
+    Monitor => monitor,
+    Capture => capture,
 }
 
 /// Runs the command line of this process.
