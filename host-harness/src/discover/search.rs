@@ -80,6 +80,8 @@ pub struct Search {
     pub scores: Vec<ScoreRow>,
     /// Orders of the rotor angle that explain something on the refitted nominal, strongest first.
     pub orders: Vec<f64>,
+    /// Kinds that are not on the list.
+    pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
 }
@@ -91,6 +93,7 @@ pub struct Search {
 pub fn search(
     problem: Problem<'_>,
     nominal: &Model,
+    withdrawn: &[Kind],
     bar: &ProgressBar,
 ) -> Result<Search, BuildError> {
     bar.set_message("refitting the nominal");
@@ -103,6 +106,7 @@ pub fn search(
         rounds: Vec::new(),
         scores: Vec::new(),
         orders: Vec::new(),
+        withdrawn: withdrawn.to_vec(),
         expected,
     };
     for round in 1..=MOST_EFFECTS {
@@ -144,7 +148,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     };
     let scene = Scene::new(&base.fit.model, problem.record, &test);
     let hypotheses: Vec<Hypothesis> =
-        candidates::ALL.iter().flat_map(|candidate| candidate(&scene)).collect();
+        candidates::proposed(&scene, &search.withdrawn);
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let listed = candidates::listed(&scene);
     let lines: Vec<(f64, Gain)> =
