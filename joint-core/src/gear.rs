@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Spring<S: Scalar> {
     linear: S::Gain,
+    /// Root of the cubic stiffness: a deflection's square may not fit the number's range.
     cubic: S::Gain,
     damping: S::Gain,
     /// Share of the relative speed that damping takes in half a step, on the mass before and after.
@@ -34,7 +35,7 @@ impl<S: Scalar> Spring<S> {
         let taken = -libm::expm1(-stage.damping_nm_s_per_rad * square * half_step * mobility);
         Self {
             linear: S::gain(linear * angle / torque),
-            cubic: S::gain(cubic * angle * angle * angle / torque),
+            cubic: S::gain(angle * libm::sqrt(cubic * angle / torque)),
             damping: S::gain(stage.damping_nm_s_per_rad * square * speed / torque),
             before: S::gain(taken / (before * mobility)),
             after: S::gain(taken / (after * mobility)),
@@ -50,7 +51,8 @@ impl<S: Scalar> Spring<S> {
     /// Elastic torque over deflection.
     #[inline(always)]
     fn secant(&self, deflection: S) -> S {
-        S::ONE.times(self.linear) + (deflection * deflection).times(self.cubic)
+        let bent = deflection.times(self.cubic);
+        S::ONE.times(self.linear) + bent * bent
     }
 
     /// Whether there is a damper.
@@ -67,7 +69,8 @@ impl<S: Scalar> Spring<S> {
     /// Derivative of the elastic torque with the deflection.
     #[inline(always)]
     pub(crate) fn slope(&self, deflection: S) -> S {
-        let hardened = (deflection * deflection).times(self.cubic);
+        let bent = deflection.times(self.cubic);
+        let hardened = bent * bent;
         self.secant(deflection) + hardened + hardened
     }
 
