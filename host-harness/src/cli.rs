@@ -40,6 +40,7 @@ verbs! {
     CrossCheck => cross_check,
     Identify => identify,
     Discover => discover,
+    Observe => observe,
     Score => score,
     Demo => demo,
 }

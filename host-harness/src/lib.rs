@@ -10,6 +10,7 @@ pub mod fault;
 pub mod inputs;
 pub mod log;
 pub mod model;
+pub mod observe;
 pub mod output;
 pub mod plant;
 pub mod reference;

@@ -82,11 +82,11 @@ pub struct Joint<S: Scalar, const N: usize, E = ()> {
     pub(crate) stages: [StageConstants<S>; N],
     pub(crate) effects: E,
     per_drive: S::Gain,
-    per_load: S::Gain,
+    pub(crate) per_load: S::Gain,
     pub(crate) current_imposed: bool,
     /// Whether any stage has a damper.
     pub(crate) damped: bool,
-    output_shaft: f64,
+    pub(crate) output_shaft: f64,
     pub(crate) units: Units<S>,
 }
 
@@ -99,9 +99,9 @@ pub(crate) struct Units<S: Scalar> {
     pub(crate) speed: S::Gain,
     pub(crate) torque: S::Gain,
     pub(crate) angle: S::Gain,
-    per_current: f64,
-    per_speed: f64,
-    per_angle: f64,
+    pub(crate) per_current: f64,
+    pub(crate) per_speed: f64,
+    pub(crate) per_angle: f64,
 }
 
 /// One mass: its speed and bristle, and the force and damping it was last found under.

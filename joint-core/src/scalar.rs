@@ -53,6 +53,8 @@ pub trait Scalar:
     fn to_f64(self) -> f64;
     /// Product with a constant.
     fn times(self, gain: Self::Gain) -> Self;
+    /// A small whole number.
+    fn from_small(value: u8) -> Self;
     /// Quotient by a positive number that the dividend does not exceed; not for the plain step.
     fn ratio(self, at_least_self: Self) -> Self;
     /// Quotient by a number of one or more.
@@ -88,6 +90,9 @@ pub trait Scalar:
     fn wrapped_turns(whole: i32, whole_ratio: Self::Gain, part: Self, ratio: Self::Gain) -> Self;
     /// `(whole + part) · ratio`, for laws that do not repeat with the angle.
     fn wide_turns(whole: i32, part: Self, ratio: Self::Gain) -> Self;
+
+    /// Turns between −½ and ½ from counts of 2⁻³² turn.
+    fn from_turn_counts(counts: i32) -> Self;
 
     /// Cosine of an angle in turns, for |turns| ≤ ½.
     fn cos_turns(self) -> Self {
@@ -206,6 +211,14 @@ impl Scalar for f32 {
         !self.is_finite()
     }
     #[inline(always)]
+    fn from_turn_counts(counts: i32) -> f32 {
+        counts as f32 * (1.0 / 4_294_967_296.0)
+    }
+    #[inline(always)]
+    fn from_small(value: u8) -> f32 {
+        f32::from(value)
+    }
+    #[inline(always)]
     fn sin_turns(self) -> f32 {
         sine!(self, f32, 56.144_802, 71.193_33, 50.269_58, 12.566_344)
     }
@@ -286,6 +299,14 @@ impl Scalar for f64 {
     #[inline(always)]
     fn is_at_limit(self) -> bool {
         !self.is_finite()
+    }
+    #[inline(always)]
+    fn from_turn_counts(counts: i32) -> f64 {
+        f64::from(counts) * (1.0 / 4_294_967_296.0)
+    }
+    #[inline(always)]
+    fn from_small(value: u8) -> f64 {
+        f64::from(value)
     }
     #[inline(always)]
     fn sin_turns(self) -> f64 {

@@ -79,6 +79,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.forces(state, state.angle);
     }
 
+    /// The forces alone, after small corrections: how far a bristle has given way is kept.
+    #[inline]
+    pub(crate) fn reload(&self, state: &mut State<S, N>) {
+        self.forces(state, state.angle);
+    }
+
     /// Deflections and bristles over half a micro-step at constant speed.
     #[inline(always)]
     fn half_drift(&self, state: &mut State<S, N>, from: Angle<S>, to: Angle<S>) {
@@ -210,7 +216,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut wound = S::ZERO;
         let mut number = 0;
         let mut input = angle;
-        let mut speed = rotor.speed;
         let mut before = &mut rotor.force;
         let slopes = gradient.springs.iter_mut().zip(&mut gradient.contact);
         let rows = slopes.zip(&mut gradient.masses);
@@ -223,22 +228,19 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *slope = own.spring.slope(felt.deflection) * felt.contact;
             if self.effects.has_stages() {
                 let beside = self.effects.stage_torque(stage_number, felt.deflection, memory);
-                // What the damper feels of an argument that moves by itself.
-                let moving = own.spring.damping_torque((felt.leverage - S::ONE) * speed);
-                torque = torque + beside.value + moving * felt.contact;
+                torque = torque + beside.value;
                 *slope = *slope + beside.slope;
             }
             *contact = felt.contact;
             *before = *before - torque * felt.leverage;
             let mass = &mut stage.mass;
-            speed = mass.speed;
             mass.force = mass.force + torque;
             mass.damping = self.damping(&own.friction, number, mass, memory);
             wound = wound + stage.deflection;
             if self.effects.has_torque(number) || self.effects.has_stages() {
                 let motor = angle.ahead(-wound.times(self.turns));
                 input = own.own_angle(motor);
-                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed };
+                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed: mass.speed };
                 let torque = self.effects.torque(number, at, memory);
                 mass.force = mass.force + torque.value;
                 *mass_slope = -torque.slope;

@@ -9,6 +9,7 @@ pub mod gate;
 pub mod hypothesis;
 pub mod lines;
 pub mod next_experiment;
+pub mod protected;
 pub mod score_test;
 pub mod search;
 pub mod whereabouts;

@@ -9,6 +9,7 @@ pub mod demo;
 pub mod discover;
 pub mod identify;
 mod load;
+pub mod observe;
 pub mod score;
 pub mod simulate;
 
