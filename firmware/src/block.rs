@@ -20,7 +20,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Version of the table above and of the payload; raised whenever either changes.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 12;
 /// Bytes after the payload.

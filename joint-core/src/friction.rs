@@ -180,6 +180,16 @@ impl<S: Scalar> Friction<S> {
         mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
     }
 
+    /// Torque of a mass's bristle, σ0 z + σ1 ż, less what its damping takes of it at its speed; not for
+    /// the step, which keeps it as a force.
+    pub(crate) fn torque(&self, mass: &Mass<S>) -> S {
+        let curve = self.curve(mass.speed);
+        let steep = curve.steepness * curve.level;
+        let share = steep.over(S::ONE + steep);
+        let standing = (S::ONE - mass.bristle.bending) * share * mass.speed;
+        mass.bristle.zeta.times(self.level) + standing * self.sigma1
+    }
+
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {
@@ -242,6 +252,7 @@ mod tests {
             assert!((bristle.bending - tangent).abs() < 1e-8, "slope at {speed}");
             let held = SIGMA1 * (rate(speed, 0.7) - bristle.bending * speed) + 0.5 * 0.7;
             assert!((mass.force + held).abs() < 1e-9, "value at {speed}");
+            assert!((friction(0.2).torque(&mass) - held).abs() < 1e-9, "torque at {speed}");
         }
     }
 

@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Spring<S: Scalar> {
-    linear: S::Gain,
+    linear: S,
     /// Root of the cubic stiffness: a deflection's square may not fit the number's range.
     cubic: S::Gain,
     damping: S::Gain,
@@ -34,7 +34,7 @@ impl<S: Scalar> Spring<S> {
         let mobility = 1.0 / before + 1.0 / after;
         let taken = -libm::expm1(-stage.damping_nm_s_per_rad * square * half_step * mobility);
         Self {
-            linear: S::gain(linear * angle / torque),
+            linear: S::from_f64(linear * angle / torque),
             cubic: S::gain(angle * libm::sqrt(cubic * angle / torque)),
             damping: S::gain(stage.damping_nm_s_per_rad * square * speed / torque),
             before: S::gain(taken / (before * mobility)),
@@ -52,7 +52,7 @@ impl<S: Scalar> Spring<S> {
     #[inline(always)]
     fn secant(&self, deflection: S) -> S {
         let bent = deflection.times(self.cubic);
-        S::ONE.times(self.linear) + bent * bent
+        self.linear + bent * bent
     }
 
     /// Whether there is a damper.

@@ -114,6 +114,12 @@ pub trait Scalar:
         (self + reach * a).over(Self::ONE + x * a)
     }
 
+    /// Half of it.
+    #[inline(always)]
+    fn half(self) -> Self {
+        self * Self::HALF
+    }
+
     /// With the sign turned where `direction` is below zero.
     #[inline(always)]
     fn along(self, direction: Self) -> Self {

@@ -357,7 +357,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let [outer, middle] = own.mobility;
             let mobility = if WHICH == 1 { middle } else { outer };
             let lost = mass.damping.times(mobility);
-            let x = lost * S::HALF;
+            let x = lost.half();
             let gained = force.times(mobility) - lost * mass.speed;
             mass.speed = mass.speed + gained * (S::ONE - x + x * x);
         }
