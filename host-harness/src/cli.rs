@@ -38,11 +38,15 @@ macro_rules! verbs {
 verbs! {
     Simulate => simulate,
     CrossCheck => cross_check,
+    Reproduce => reproduce,
     Identify => identify,
     Discover => discover,
     Observe => observe,
     Score => score,
     Demo => demo,
+    Export => export,
+    Monitor => monitor,
+    Capture => capture,
 }
 
 /// Runs the command line of this process.

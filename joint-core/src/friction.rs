@@ -128,6 +128,17 @@ impl<S: Scalar> Friction<S> {
         mass.force = -(zeta.times(self.level) + standing * self.sigma1);
     }
 
+    /// Friction torque on a mass beside its damping times its speed: the tangent's value at
+    /// standstill.
+    #[inline]
+    pub(crate) fn standing(&self, mass: &Mass<S>) -> S {
+        let curve = self.curve(mass.speed);
+        let steep = curve.steepness * curve.level;
+        let share = steep.over(S::ONE + steep);
+        let standing = (S::ONE - mass.bristle.bending) * share * mass.speed;
+        mass.bristle.zeta.times(self.level) + standing * self.sigma1
+    }
+
     /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
     /// a = 1 + x/2 + x²/6, `ζ ← (ζ + y a) / (1 + x a)`.
     #[inline(always)]
@@ -178,16 +189,6 @@ impl<S: Scalar> Friction<S> {
         bristle.zeta = bristle.zeta + bristle.zeta * passed.times(self.corner);
         let behind = if passed > S::ZERO { after } else { S::ZERO };
         mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
-    }
-
-    /// Torque of a mass's bristle, σ0 z + σ1 ż, less what its damping takes of it at its speed; not for
-    /// the step, which keeps it as a force.
-    pub(crate) fn torque(&self, mass: &Mass<S>) -> S {
-        let curve = self.curve(mass.speed);
-        let steep = curve.steepness * curve.level;
-        let share = steep.over(S::ONE + steep);
-        let standing = (S::ONE - mass.bristle.bending) * share * mass.speed;
-        mass.bristle.zeta.times(self.level) + standing * self.sigma1
     }
 
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
@@ -252,7 +253,7 @@ mod tests {
             assert!((bristle.bending - tangent).abs() < 1e-8, "slope at {speed}");
             let held = SIGMA1 * (rate(speed, 0.7) - bristle.bending * speed) + 0.5 * 0.7;
             assert!((mass.force + held).abs() < 1e-9, "value at {speed}");
-            assert!((friction(0.2).torque(&mass) - held).abs() < 1e-9, "torque at {speed}");
+            assert!((friction(0.2).standing(&mass) - held).abs() < 1e-9, "torque at {speed}");
         }
     }
 

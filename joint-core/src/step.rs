@@ -70,6 +70,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// Computes what the state caches: after a speed, an angle, a deflection or a bristle was set
     /// from outside.
+    #[inline(never)]
     pub fn refresh(&self, state: &mut State<S, N>) {
         let (rotor, stages) = self.levels(state, state.angle);
         self.rotor.settle(&mut state.rotor, rotor);
