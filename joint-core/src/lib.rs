@@ -52,6 +52,7 @@
 
 pub mod angle;
 pub mod effect;
+pub mod fixed;
 pub mod friction;
 pub mod gear;
 pub mod joint;

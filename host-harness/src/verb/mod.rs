@@ -5,6 +5,7 @@
 //! the verb.
 
 pub mod capture;
+pub mod budget;
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
