@@ -57,6 +57,7 @@ pub mod gear;
 pub mod joint;
 pub mod motor;
 pub mod observer;
+pub mod pace;
 pub mod params;
 pub mod per_unit;
 pub mod scalar;

@@ -9,9 +9,12 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 use super::hypothesis::Hypothesis;
+use crate::estimate::adjoint::Pull;
+use crate::estimate::filter::{Linearisation, Observer};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::twin::null_innovations;
 use crate::model::Model;
+use crate::plant::plant;
 
 /// A base model with its nuisance parameters ready to be projected out.
 pub struct ScoreTest<'a> {
@@ -23,6 +26,10 @@ pub struct ScoreTest<'a> {
     offset: DVector<f64>,
     /// The record's own innovations, then those of its twins.
     residuals: Vec<Residual>,
+    /// What each of them pulls at.
+    pulls: Vec<Pull>,
+    /// The base model's states along the record.
+    states: Vec<Vec<f64>>,
 }
 
 /// Innovations, and what the nuisances make of them.
@@ -53,12 +60,27 @@ impl<'a> ScoreTest<'a> {
         let curvature = curvature.cholesky()?;
         let nulls: Vec<_> = (0..twins)
             .into_par_iter()
-            .filter_map(|seed| {
-                null_innovations(&base.model, problem.record, &base.noise, seed).ok()
-            })
+            .filter_map(|seed| null_innovations(&base.model, &problem, &base.noise, seed).ok())
             .collect();
-        let mut test =
-            Self { problem, base, jacobian, curvature, precision, offset, residuals: Vec::new() };
+        let plant = plant(&base.model, &problem.record.grid, problem.record.drive).ok()?;
+        let observer = Observer::new(&base.model, &*plant, problem.record);
+        let mut along = Linearisation::default();
+        let (_, run) = observer.design_along(&mut along, &base.noise, &problem.walks());
+        let pulls = std::iter::once(&base.innovations)
+            .chain(&nulls)
+            .map(|rows| observer.pull(&base.gains, &along, &problem.masked(rows)))
+            .collect();
+        let mut test = Self {
+            problem,
+            base,
+            jacobian,
+            curvature,
+            precision,
+            offset,
+            residuals: Vec::new(),
+            pulls,
+            states: run.states,
+        };
         let own = problem.residual(&base.innovations);
         test.residuals.push(test.prepared(own, true));
         for null in nulls {
@@ -66,6 +88,16 @@ impl<'a> ScoreTest<'a> {
             test.residuals.push(test.prepared(values, false));
         }
         Some(test)
+    }
+
+    /// What the record's innovations pull at, then those of each twin.
+    pub fn pulls(&self) -> &[Pull] {
+        &self.pulls
+    }
+
+    /// The base model's states along the record.
+    pub fn states(&self) -> &[Vec<f64>] {
+        &self.states
     }
 
     fn prepared(&self, values: DVector<f64>, with_prior: bool) -> Residual {

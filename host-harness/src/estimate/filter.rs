@@ -47,12 +47,12 @@ pub struct Noise {
 /// The filter's gains along a record, and the scale of its innovations.
 #[derive(Clone, Debug)]
 pub struct Gains {
-    order: usize,
+    pub(super) order: usize,
     /// By sample and channel: gain of the state on the innovation divided by its sigma.
-    gain: Vec<f64>,
+    pub(super) gain: Vec<f64>,
     /// By sample and channel: one over the innovation's sigma, zero where nothing is measured.
-    weight: Vec<[f64; CHANNELS]>,
-    walks: Vec<Walk>,
+    pub(super) weight: Vec<[f64; CHANNELS]>,
+    pub(super) walks: Vec<Walk>,
 }
 
 impl Gains {
@@ -84,16 +84,16 @@ pub struct Run {
 #[derive(Clone, Debug, Default)]
 pub struct Linearisation {
     /// By sample: derivative of each state with each.
-    transition: Vec<f64>,
+    pub(super) transition: Vec<f64>,
     /// By sample: derivative of each state with the drive.
-    drive: Vec<f64>,
+    pub(super) drive: Vec<f64>,
 }
 
 /// A joint seen through its sensors.
 pub struct Observer<'a> {
     plant: &'a dyn Plant,
-    record: &'a Record,
-    layout: Layout,
+    pub(super) record: &'a Record,
+    pub(super) layout: Layout,
     shaft: f64,
     inertia: Vec<f64>,
     start_sigma: Vec<f64>,
@@ -212,14 +212,17 @@ impl<'a> Observer<'a> {
         (gains, run)
     }
 
-    /// Runs the record with frozen gains; only the innovations.
+    /// Runs the record with frozen gains; only the innovations. The gains may be those of a model
+    /// that remembers less: what is added is not corrected.
     pub fn innovations(&self, gains: &Gains) -> Vec<[f64; CHANNELS]> {
-        let order = gains.order;
+        let designed = gains.order - gains.walks.len();
+        let own = self.layout.len();
+        let common = designed.min(own);
         let mut x = Vec::new();
         let mut innovations = vec![[0.0; CHANNELS]; self.record.len()];
         for (k, row) in innovations.iter_mut().enumerate() {
             if self.record.starts.contains(&k) {
-                x = self.start(k, order);
+                x = self.start(k, own + gains.walks.len());
             }
             for channel in Channel::ALL {
                 let c = channel as usize;
@@ -233,8 +236,12 @@ impl<'a> Observer<'a> {
                     continue;
                 }
                 row[c] = error;
-                let slot = (k * CHANNELS + c) * order;
-                for (value, gain) in x.iter_mut().zip(&gains.gain[slot..slot + order]) {
+                let slot = (k * CHANNELS + c) * gains.order;
+                let (states, walks) = gains.gain[slot..slot + gains.order].split_at(designed);
+                for (value, gain) in x.iter_mut().zip(&states[..common]) {
+                    *value += gain * error;
+                }
+                for (value, gain) in x[own..].iter_mut().zip(walks) {
                     *value += gain * error;
                 }
             }
@@ -286,7 +293,7 @@ impl<'a> Observer<'a> {
         bias + angle + self.plant.encoder_error(output, angle, speed) + caught_up
     }
 
-    fn sensitivity(&self, channel: Channel, walks: &[Walk], row: &mut [f64]) {
+    pub(super) fn sensitivity(&self, channel: Channel, walks: &[Walk], row: &mut [f64]) {
         row.fill(0.0);
         match channel {
             Channel::Current => row[Layout::CURRENT] = 1.0,

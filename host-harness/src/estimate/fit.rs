@@ -129,6 +129,12 @@ impl<'a> Problem<'a> {
         if sum.is_finite() { sum } else { f64::INFINITY }
     }
 
+    /// Innovations of the samples fitted to; zero elsewhere.
+    pub fn masked(&self, innovations: &[[f64; CHANNELS]]) -> Vec<[f64; CHANNELS]> {
+        let rows = innovations.iter().zip(self.mask);
+        rows.map(|(row, weight)| if *weight > 0.0 { *row } else { [0.0; CHANNELS] }).collect()
+    }
+
     /// Masked innovations as one vector.
     pub fn residual(&self, innovations: &[[f64; CHANNELS]]) -> DVector<f64> {
         let rows = innovations.iter().zip(self.mask);

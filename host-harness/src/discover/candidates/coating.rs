@@ -1,0 +1,32 @@
+//! A coating: a torque that is elastic in the output angle, with a loop of its own.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+
+/// Widths of the loop that are tried, as shares of the travel.
+const WIDTHS: [f64; 3] = [0.01, 0.05, 0.2];
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    let stages = scene.model.stages.len();
+    if stages == 0 || scene.has(Kind::Coating, Location::Output) {
+        return Vec::new();
+    }
+    let travel = scene.travel(stages).max(1e-9);
+    let torque = 0.05 * scene.torque_scale() / scene.shaft(stages).abs();
+    WIDTHS
+        .map(|share| share * travel)
+        .map(|width| Hypothesis {
+            start: EffectParameters::new(Kind::Coating, Location::Output)
+                .with("stiffness_nm_per_rad", 0.0)
+                .with("width_rad", width),
+            free: vec![
+                Free::Value { value: 0, scale: torque / travel, sigma: 300.0 },
+                Free::Value { value: 1, scale: torque, sigma: 100.0 },
+                Free::Value { value: 2, scale: 0.2 * width, sigma: 10.0 },
+            ],
+        })
+        .to_vec()
+}

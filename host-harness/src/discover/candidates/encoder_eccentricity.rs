@@ -1,0 +1,28 @@
+//! Encoder eccentricity: an error that is fixed to the encoder's own angle, once or twice a turn.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+use crate::estimate::record::Channel;
+
+/// A disc off its centre, and a tilted one.
+const ORDERS: [f64; 2] = [1.0, 2.0];
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    let mut all = Vec::new();
+    for (channel, place) in
+        [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
+    {
+        if !scene.record.has(channel) || scene.has(Kind::EncoderEccentricity, place) {
+            continue;
+        }
+        let scale = (5.0 * scene.record.sensor_sigma(scene.model, channel)).max(1e-4);
+        all.extend(ORDERS.map(|order| Hypothesis {
+            start: EffectParameters::new(Kind::EncoderEccentricity, place).with("order", order),
+            free: vec![Free::Phasor { amplitude: 0, scale, sigma: 100.0 }],
+        }));
+    }
+    all
+}

@@ -1,0 +1,34 @@
+//! Lubricant that warms: viscous friction that falls after fast motion, and comes back. The
+//! reference is the record's own mean-square speed.
+
+use joint_core::effect::{EffectParameters, Kind};
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+
+/// Time constants that are tried, as shares of the record.
+const LAGS: [f64; 3] = [0.1, 0.35, 1.5];
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    let mut all = Vec::new();
+    for (mass, place) in scene.masses() {
+        if scene.friction(mass).sigma2_nm_s_per_rad <= 0.0
+            || scene.has(Kind::LubricantWarming, place)
+        {
+            continue;
+        }
+        let speed = scene.typical_speed(mass).max(1e-9);
+        all.extend(LAGS.map(|share| share * scene.duration()).map(|lag| {
+            Hypothesis {
+                start: EffectParameters::new(Kind::LubricantWarming, place)
+                    .with("time_constant_s", lag)
+                    .with("reference_speed_rad_per_s", speed),
+                free: vec![
+                    Free::Value { value: 0, scale: 0.05, sigma: 20.0 },
+                    Free::Value { value: 1, scale: 0.2 * lag, sigma: 10.0 },
+                ],
+            }
+        }));
+    }
+    all
+}

@@ -1,0 +1,30 @@
+//! A late encoder: an error that grows with the speed. A delay of many samples is out of reach of
+//! a linear step, so some are tried outright.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+use crate::estimate::record::Channel;
+
+/// Delays tried, in samples.
+const SAMPLES: [f64; 6] = [0.0, 2.0, 4.0, 8.0, 16.0, -2.0];
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    let interval = scene.record.grid.interval(0);
+    let mut all = Vec::new();
+    for (channel, place) in
+        [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
+    {
+        if !scene.record.has(channel) || scene.has(Kind::SensorDelay, place) {
+            continue;
+        }
+        all.extend(SAMPLES.map(|samples| Hypothesis {
+            start:
+                EffectParameters::new(Kind::SensorDelay, place).with("delay_s", samples * interval),
+            free: vec![Free::Value { value: 0, scale: 0.2 * interval, sigma: 300.0 }],
+        }));
+    }
+    all
+}

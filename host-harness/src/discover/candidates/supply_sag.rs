@@ -1,0 +1,24 @@
+//! Supply sag: a voltage lost with duty and current together. Only the source's resistance over the
+//! square of the bus voltage shows; the bus is taken a fifth above the largest voltage asked for.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::joint::Drive;
+use joint_core::params::Location;
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+
+/// Bus voltage over the largest voltage in the record.
+const BUS: f64 = 1.2;
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    if scene.record.drive == Drive::Current || scene.has(Kind::SupplySag, Location::Inverter) {
+        return Vec::new();
+    }
+    let scale = 0.02 * 2.0 * scene.model.motor.phase_resistance_ohm;
+    vec![Hypothesis {
+        start: EffectParameters::new(Kind::SupplySag, Location::Inverter)
+            .with("bus_voltage_v", BUS * scene.largest_drive()),
+        free: vec![Free::Value { value: 0, scale, sigma: 50.0 }],
+    }]
+}

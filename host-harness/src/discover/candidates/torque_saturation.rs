@@ -1,0 +1,26 @@
+//! Torque saturation: a torque that falls behind the current where the current is large. It has no
+//! derivative where it is absent, so two knees are tried.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+
+/// Knees that are tried, in largest currents.
+const KNEES: [f64; 2] = [2.5, 7.0];
+
+pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    if scene.has(Kind::TorqueSaturation, Location::Motor) {
+        return Vec::new();
+    }
+    let largest = scene.current().iter().fold(1e-9_f64, |most, i| most.max(i.abs()));
+    KNEES
+        .map(|knee| knee * largest)
+        .map(|knee| Hypothesis {
+            start: EffectParameters::new(Kind::TorqueSaturation, Location::Motor)
+                .with("current_a", knee),
+            free: vec![Free::Value { value: 0, scale: 0.1 * knee, sigma: 20.0 }],
+        })
+        .to_vec()
+}
