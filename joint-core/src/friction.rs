@@ -181,6 +181,21 @@ impl<S: Scalar> Friction<S> {
         mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
     }
 
+    /// Friction torque σ0 z + σ1 ż + σ2 v as the mass was last found; not for the step.
+    pub(crate) fn felt(&self, mass: &Mass<S>) -> S {
+        let Bristle { zeta, bending } = mass.bristle;
+        let rate = mass.speed - mass.speed.abs() * self.curve(mass.speed).rho * zeta;
+        zeta.times(self.level)
+            + self.sigma1 * rate
+            + (mass.damping - self.sigma1 * bending) * mass.speed
+    }
+
+    /// Change of the bristle torque with ζ.
+    #[inline(always)]
+    pub(crate) fn per_bristle(&self, change: S) -> S {
+        change.times(self.level)
+    }
+
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {

@@ -107,7 +107,7 @@ fn drive(rating: &Rating, samples: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 /// Nothing, jumps, and waves of several lengths.
-fn load(most: f64, step_s: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<usize>) {
+fn load(most: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<usize>) {
     let parts = 14;
     let length = samples.div_ceil(parts).max(1);
     let mut values: Vec<f64> = Vec::with_capacity(samples);
