@@ -128,17 +128,6 @@ impl<S: Scalar> Friction<S> {
         mass.force = -(zeta.times(self.level) + standing * self.sigma1);
     }
 
-    /// Friction torque on a mass beside its damping times its speed: the tangent's value at
-    /// standstill.
-    #[inline]
-    pub(crate) fn standing(&self, mass: &Mass<S>) -> S {
-        let curve = self.curve(mass.speed);
-        let steep = curve.steepness * curve.level;
-        let share = steep.over(S::ONE + steep);
-        let standing = (S::ONE - mass.bristle.bending) * share * mass.speed;
-        mass.bristle.zeta.times(self.level) + standing * self.sigma1
-    }
-
     /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
     /// a = 1 + x/2 + x²/6, `ζ ← (ζ + y a) / (1 + x a)`.
     #[inline(always)]
@@ -189,6 +178,21 @@ impl<S: Scalar> Friction<S> {
         bristle.zeta = bristle.zeta + bristle.zeta * passed.times(self.corner);
         let behind = if passed > S::ZERO { after } else { S::ZERO };
         mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
+    }
+
+    /// Friction torque σ0 z + σ1 ż + σ2 v as the mass was last found; not for the step.
+    pub(crate) fn felt(&self, mass: &Mass<S>) -> S {
+        let Bristle { zeta, bending } = mass.bristle;
+        let rate = mass.speed - mass.speed.abs() * self.curve(mass.speed).rho * zeta;
+        zeta.times(self.level)
+            + self.sigma1 * rate
+            + (mass.damping - self.sigma1 * bending) * mass.speed
+    }
+
+    /// Change of the bristle torque with ζ.
+    #[inline(always)]
+    pub(crate) fn per_bristle(&self, change: S) -> S {
+        change.times(self.level)
     }
 
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.

@@ -8,7 +8,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// Friction of all masses as it is felt at the motor, Nm, positive against positive motion.
     pub fn total_friction_at_motor(&self, state: &State<S, N>) -> S {
         let own = |friction: &crate::friction::Friction<S>, mass: &crate::joint::Mass<S>| {
-            friction.standing(mass) + mass.damping * mass.speed
+            friction.felt(mass)
         };
         let stages = self.stages.iter().zip(&state.stages);
         let sum = stages.fold(own(&self.rotor, &state.rotor), |sum, (constants, stage)| {

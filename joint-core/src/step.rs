@@ -80,12 +80,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.forces(state, state.angle);
     }
 
-    /// The forces alone, after small corrections: how far a bristle has given way is kept.
-    #[inline]
-    pub(crate) fn reload(&self, state: &mut State<S, N>) {
-        self.forces(state, state.angle);
-    }
-
     /// Deflections and bristles over half a micro-step at constant speed.
     #[inline(always)]
     fn half_drift(&self, state: &mut State<S, N>, from: Angle<S>, to: Angle<S>) {
