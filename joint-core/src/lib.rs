@@ -60,3 +60,4 @@ pub mod params;
 pub mod per_unit;
 pub mod scalar;
 mod step;
+pub mod worm;
