@@ -11,6 +11,7 @@ pub mod inputs;
 pub mod log;
 pub mod model;
 pub mod output;
+pub mod planetary;
 pub mod plant;
 pub mod reference;
 pub mod report;

@@ -21,6 +21,7 @@ use joint_core::params::{Friction, Location};
 use rayon::prelude::*;
 
 use crate::model::Model;
+use crate::planetary::{self, Gear, Mode, Reduction, Soft};
 use crate::plant::{self, Inputs, ScalarKind};
 use claim::Claim;
 use numbers::Number;
@@ -71,6 +72,10 @@ pub struct Runs {
     pub friction_loss: f64,
     /// Ratio of the gear.
     pub ratio: f64,
+    /// Modes of one full planetary stage.
+    pub modes: Vec<Mode>,
+    /// The full chain beside equation (1), its shafts soft.
+    pub reduction: Reduction,
 }
 
 impl Runs {
@@ -116,6 +121,9 @@ pub fn run(model: &Model, done: impl Fn() + Sync) -> Result<Runs, String> {
         efficiency: Efficiency::default(),
         friction_loss: friction_loss(model)?,
         ratio: model.stages.iter().map(|stage| stage.reduction).product(),
+        modes: planetary::modes(&Gear::micro()),
+        reduction: planetary::reduction(&Gear::micro(), model, Soft::Shafts)
+            .ok_or("the joint has other than two stages, or stages stiffer than their meshes")?,
     };
     let nominal = runs.of("nominal_load", true);
     let (motor, gear) = efficiency(model, nominal);
