@@ -5,6 +5,7 @@ pub mod cross_check;
 pub mod demo;
 pub mod discover;
 pub mod encoders;
+pub mod energy;
 pub mod estimate;
 pub mod fault;
 pub mod inputs;

@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Degrees of freedom of a body: x, y, z, then the rotations about them.
-pub const PER_BODY: usize = 6;
+pub(super) const PER_BODY: usize = 6;
 /// The rotation about the gear's axis.
-pub const SPIN: usize = 5;
+pub(super) const SPIN: usize = 5;
 
 /// Mass and inertia of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -237,11 +237,11 @@ impl Gear {
 }
 
 /// Bodies by number; planets follow.
-pub const SUN: usize = 0;
+pub(super) const SUN: usize = 0;
 /// The ring.
-pub const RING: usize = 1;
+pub(super) const RING: usize = 1;
 /// The carrier.
-pub const CARRIER: usize = 2;
+pub(super) const CARRIER: usize = 2;
 
 /// What a body's motion moves a point of it by along a direction: `n·u + (r × n)·θ`.
 fn add(stretch: &mut DVector<f64>, body: usize, along: Vector3<f64>, arm: Vector3<f64>) {

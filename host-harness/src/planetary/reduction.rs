@@ -1,7 +1,7 @@
 //! Whether equation (1) keeps the low and middle frequencies of the full model.
 //!
 //! Two full stages in a row, the rotor on the first sun and the link behind the second carrier, against
-//! three turning masses with two springs. What (1) leaves out depends on where a real gear is soft, which
+//! three turning masses with two springs. The masses of (1) are what turns between the springs. What (1) leaves out depends on where a real gear is soft, which
 //! the paper does not say; so both ends are compared: soft shafts behind stiff stages, and stages whose
 //! meshes and bearings alone are as soft as the joint's springs.
 
@@ -84,8 +84,11 @@ pub fn reduction(gear: &Gear, model: &Model, soft: Soft) -> Option<Reduction> {
         return None;
     }
     first.sun.spin_kg_m2 += model.motor.rotor_inertia_kg_m2;
-    // What the joint has behind its springs beside the gear's own parts.
-    let rest = |stage: &Stage, gear: &Gear| (stage.inertia_kg_m2 - rigid_inertia(gear)).max(0.0);
+    // What the joint has behind its springs beside the gear's own parts there.
+    let rest = |stage: &Stage, gear: &Gear| match soft {
+        Soft::Shafts => stage.inertia_kg_m2,
+        Soft::Meshes => (stage.inertia_kg_m2 - rigid_inertia(gear)).max(0.0),
+    };
     let mut chain = Chain::default();
     let input = chain.stage(&first, None);
     let middle = chain.shaft(input + CARRIER_SPIN, shaft_one, rest(one, &first));
@@ -98,10 +101,19 @@ pub fn reduction(gear: &Gear, model: &Model, soft: Soft) -> Option<Reduction> {
     let through: Vec<usize> = (1..all.len()).filter(|k| all[*k].1 > 0.5).take(2).collect();
     let [low, high] = through.as_slice() else { return None };
     let next = (1..all.len()).find(|k| !through.contains(k))?;
+    // (1) has what turns between its springs as one mass.
+    let (before, behind) = match soft {
+        Soft::Shafts => (1.0, 0.0),
+        Soft::Meshes => (0.0, 1.0),
+    };
+    let carried = |gear: &Gear| before * rigid_inertia(gear) / gear.ratio().powi(2);
     let inertia = [
-        first.sun.spin_kg_m2,
-        rigid_inertia(&first) + rest(one, &first) + second.sun.spin_kg_m2,
-        rigid_inertia(&second) + rest(two, &second),
+        first.sun.spin_kg_m2 + carried(&first),
+        behind * rigid_inertia(&first)
+            + rest(one, &first)
+            + second.sun.spin_kg_m2
+            + carried(&second),
+        behind * rigid_inertia(&second) + rest(two, &second),
     ];
     let springs = [(one, &first), (two, &second)].map(|(k, g)| (k.stiffness_nm_per_rad, g.ratio()));
     Some(Reduction {
