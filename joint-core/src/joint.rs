@@ -215,6 +215,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             RotorKick::new(motor, settings.drive, inertia(0), weight * step, units)
         };
         let effects = effects(&bases).ok_or(params::unplaced_effect(settings.effects.len()))?;
+        if let Some(error) = params::worm_without_effects(stages)
+            && !effects.has_levels()
+        {
+            return Err(error);
+        }
         let mut number = 0;
         let stages = stages.map(|stage| {
             number += 1;

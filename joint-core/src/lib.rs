@@ -65,3 +65,4 @@ mod readout;
 pub mod scalar;
 mod step;
 pub mod telemetry;
+pub mod worm;

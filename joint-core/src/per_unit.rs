@@ -68,6 +68,11 @@ impl<'a> Bases<'a> {
         Self { torque, speed, angle, current, ..si }
     }
 
+    /// The stages, from the motor on.
+    pub(crate) fn stages(&self) -> &'a [Stage] {
+        self.stages
+    }
+
     /// Product N of the ratios η from the motor to a mass; 1 for the rotor.
     pub fn shaft(&self, mass: usize) -> f64 {
         self.stages.iter().take(mass).map(|stage| 1.0 / stage.reduction).product()

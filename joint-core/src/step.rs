@@ -136,30 +136,38 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// One over the effects' factor on every friction level.
     #[inline(always)]
     fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
-        let mut levels = [S::ONE; N];
-        let mut before = state.rotor.speed;
-        let mut own = angle;
+        let (mut rotor, mut levels) = (S::ONE, [S::ONE; N]);
         let mut wound = S::ZERO;
+        let (speed, transmitted) = (state.rotor.speed, state.current);
+        // A mass's level is found once the stage behind it is known.
+        let mut at = Rubbing { speed, transmitted, passed_on: S::ZERO, angle };
+        let mut level = &mut rotor;
         let stages = state.stages.iter().zip(&self.stages);
-        for ((level, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
-            let felt = self.felt(number, stage.deflection, own);
-            let relative = before - stage.mass.speed;
+        for ((next, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
+            let felt = self.felt(number, stage.deflection, at.angle);
+            let relative = at.speed - stage.mass.speed;
             let mut torque = constants.spring.torque(felt.deflection)
                 + constants.spring.damping_torque(relative) * felt.contact;
             if self.effects.has_stages() {
                 let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
                 torque = torque + beside.value;
             }
-            before = stage.mass.speed;
+            at.passed_on = torque;
+            *level = self.effects.inverse_level(number, at);
+            level = next;
             wound = wound + stage.deflection;
             if self.effects.has_angled_levels() || self.effects.has_stages() {
-                own = constants.own_angle(angle.ahead(-wound.times(self.turns)));
+                at.angle = constants.own_angle(angle.ahead(-wound.times(self.turns)));
             }
-            let at = Rubbing { speed: stage.mass.speed, transmitted: torque, angle: own };
-            *level = self.effects.inverse_level(number + 1, at);
+            at = Rubbing {
+                speed: stage.mass.speed,
+                transmitted: torque,
+                passed_on: S::ZERO,
+                angle: at.angle,
+            };
         }
-        let at = Rubbing { speed: state.rotor.speed, transmitted: state.current, angle };
-        (self.effects.inverse_level(0, at), levels)
+        *level = self.effects.inverse_level(N, at);
+        (rotor, levels)
     }
 
     /// What a stage's spring feels.

@@ -48,6 +48,8 @@ mod on_board {
             stiffness_nm_per_rad,
             cubic_stiffness_nm_per_rad3: 0.0,
             damping_nm_s_per_rad: 0.0,
+            worm_lead_angle_rad: 0.0,
+            worm_friction_coefficient: 0.0,
             friction: Friction {
                 sigma0_nm_per_rad: 100.0 * stiffness_nm_per_rad,
                 sigma1_nm_s_per_rad: 1e-5,
