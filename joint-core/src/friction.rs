@@ -181,6 +181,15 @@ impl<S: Scalar> Friction<S> {
         mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
     }
 
+    /// Friction torque of a mass: σ0 z + σ1 ż + σ2 v, where ż is the tangent at the last flow.
+    #[inline]
+    pub(crate) fn torque(&self, mass: &Mass<S>) -> S {
+        let zeta = mass.bristle.zeta;
+        let along = if mass.speed < S::ZERO { -zeta } else { zeta };
+        let standing = along * self.curve(mass.speed).steepness * mass.speed;
+        zeta.times(self.level) + standing * self.sigma1 + mass.damping * mass.speed
+    }
+
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {

@@ -102,6 +102,7 @@ impl Recording {
             }
         }
         push("status".to_owned(), &|report| f32::from(report.status.0));
+        push("health".to_owned(), &|report| f32::from(report.health));
         Some(columns)
     }
 
