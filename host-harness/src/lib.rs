@@ -17,6 +17,7 @@ pub mod plant;
 pub mod probe;
 pub mod reference;
 pub mod report;
+pub mod reproduce;
 pub mod scenario;
 pub mod score;
 pub mod simulated;

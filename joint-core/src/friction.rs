@@ -127,6 +127,16 @@ impl<S: Scalar> Friction<S> {
         mass.force = -(zeta.times(self.level) + standing * self.sigma1);
     }
 
+    /// Friction torque on a mass beside its damping times its speed: the tangent's value at
+    /// standstill.
+    #[inline]
+    pub(crate) fn standing(&self, mass: &Mass<S>) -> S {
+        let zeta = mass.bristle.zeta;
+        let along = if mass.speed < S::ZERO { -zeta } else { zeta };
+        let bent = along * self.curve(mass.speed).steepness * mass.speed;
+        zeta.times(self.level) + bent * self.sigma1
+    }
+
     /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
     /// a = 1 + x/2 + x²/6, `ζ ← (ζ + y a) / (1 + x a)`.
     #[inline(always)]
@@ -179,15 +189,6 @@ impl<S: Scalar> Friction<S> {
         bristle.zeta = bristle.zeta + bristle.zeta * passed.times(self.corner);
         let behind = if passed > S::ZERO { after } else { S::ZERO };
         mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
-    }
-
-    /// Friction torque of a mass: σ0 z + σ1 ż + σ2 v, where ż is the tangent at the last flow.
-    #[inline]
-    pub(crate) fn torque(&self, mass: &Mass<S>) -> S {
-        let zeta = mass.bristle.zeta;
-        let along = if mass.speed < S::ZERO { -zeta } else { zeta };
-        let standing = along * self.curve(mass.speed).steepness * mass.speed;
-        zeta.times(self.level) + standing * self.sigma1 + mass.damping * mass.speed
     }
 
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.

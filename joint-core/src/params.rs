@@ -202,6 +202,8 @@ pub enum Table {
     Load,
     /// The effect with this number, from 1.
     Effect(usize),
+    /// The amplifier of the three-phase motor; not a table of the model file.
+    Amplifier,
 }
 
 impl fmt::Display for Table {
@@ -213,6 +215,7 @@ impl fmt::Display for Table {
             Table::StageFriction(k) => write!(f, "[stage.friction] of stage {k}"),
             Table::Load => f.write_str("[load]"),
             Table::Effect(k) => write!(f, "[[effect]] number {k}"),
+            Table::Amplifier => f.write_str("amplifier"),
         }
     }
 }

@@ -48,6 +48,7 @@ impl Tables<'_> {
             Place::StageFriction(number) => inner(Place::Stage(number)),
             Place::Load => named(self.0, "load"),
             Place::Effect(number) => numbered("effect", number),
+            Place::Amplifier => None,
         }
     }
 

@@ -6,10 +6,10 @@ mod answer;
 mod csv;
 mod gap;
 mod page;
-mod plot;
-mod series;
+pub(crate) mod plot;
+pub(crate) mod series;
 mod tables;
-mod text;
+pub(crate) mod text;
 
 #[cfg(test)]
 mod tests;

@@ -178,7 +178,7 @@ fn place(value: f64, [low, high]: [f64; 2], length: f64) -> f64 {
 }
 
 /// Round values inside a range, about so many, with their labels.
-pub(super) fn ticks([low, high]: [f64; 2], about: f64) -> Vec<(f64, String)> {
+pub(crate) fn ticks([low, high]: [f64; 2], about: f64) -> Vec<(f64, String)> {
     let raw = (high - low) / about;
     let power = 10.0_f64.powf(raw.log10().floor());
     let factors = [1.0, 2.0, 5.0, 10.0];

@@ -7,7 +7,7 @@
 const COLUMNS: usize = 1000;
 
 /// The finite points of a series, thinned, and split where it has a long hole.
-pub(super) fn thinned(x: &[f64], y: &[f64]) -> Vec<Vec<[f64; 2]>> {
+pub(crate) fn thinned(x: &[f64], y: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let all = x.iter().zip(y).map(|(x, y)| [*x, *y]);
     let points: Vec<[f64; 2]> = all.filter(|p| p[0].is_finite() && p[1].is_finite()).collect();
     let Some([low, high]) = range(points.iter().map(|p| p[0])) else {
@@ -48,7 +48,7 @@ fn few(points: Vec<[f64; 2]>, low: f64, span: f64) -> Vec<[f64; 2]> {
 }
 
 /// Least and greatest of the finite values.
-pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     values.filter(|value| value.is_finite()).fold(None, |range, value| match range {
         Some([low, high]) => Some([low.min(value), high.max(value)]),
         None => Some([value, value]),

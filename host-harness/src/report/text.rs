@@ -4,7 +4,7 @@
 const NONE: &str = "&ndash;";
 
 /// Text as it may stand in HTML, inside quotes as well.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -20,7 +20,7 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// A number in so many significant digits.
-pub(super) fn digits(value: f64, digits: usize) -> String {
+pub(crate) fn digits(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
     }

@@ -14,6 +14,7 @@ pub mod identify;
 mod load;
 pub mod monitor;
 pub mod observe;
+pub mod reproduce;
 pub mod score;
 pub mod simulate;
 
