@@ -271,6 +271,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         })
     }
 
+    /// Whether the drive imposes the current, else the voltage.
+    pub fn is_current_imposed(&self) -> bool {
+        self.current_imposed
+    }
+
     /// Micro-steps in a step.
     pub fn micro_steps(&self) -> u32 {
         self.micro_steps

@@ -61,7 +61,6 @@ pub mod observer;
 pub mod pace;
 pub mod params;
 pub mod per_unit;
-mod readout;
 pub mod scalar;
 mod step;
 pub mod telemetry;

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use firmware::block::PAGE_ADDRESS;
+use firmware::block::PAGE_ADDRESS_F405;
 
 const QEMU: &str = "qemu-system-arm";
 /// What the firmware is built for.
@@ -50,8 +50,8 @@ impl Board {
     /// Where the page of the parameters lies, by `memory.x`.
     pub fn page_address(self) -> u32 {
         match self {
-            Board::NetduinoPlus2 | Board::NetduinoPlus2Soft => PAGE_ADDRESS,
-            Board::Mps2An386 | Board::Mps2An500 => PAGE_ADDRESS - 0x0800_0000,
+            Board::NetduinoPlus2 | Board::NetduinoPlus2Soft => PAGE_ADDRESS_F405,
+            Board::Mps2An386 | Board::Mps2An500 => PAGE_ADDRESS_F405 - 0x0800_0000,
         }
     }
 }

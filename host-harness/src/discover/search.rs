@@ -151,8 +151,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         return Ok(false);
     };
     let scene = Scene::new(&base.fit.model, problem.record, &test);
-    let hypotheses: Vec<Hypothesis> =
-        candidates::proposed(&scene, &search.withdrawn);
+    let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let listed = candidates::listed(&scene);
     let lines: Vec<(f64, Gain)> =

@@ -4,8 +4,8 @@
 //! wrong; it prints nothing on standard output itself, so that `--json` yields one object whatever
 //! the verb.
 
-pub mod capture;
 pub mod budget;
+pub mod capture;
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
