@@ -9,6 +9,7 @@ use crate::parameters::Sensing;
 /// The joint in operation. The tag is its own, so that one that is not started is zero.
 #[derive(Debug)]
 #[repr(u8)]
+#[allow(clippy::large_enum_variant)] // There is no heap to box the largest into.
 pub enum AnyControl {
     /// Not yet started: reports nothing but zeros.
     NotStarted,
