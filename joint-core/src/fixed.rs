@@ -233,7 +233,10 @@ impl Scalar for Fixed {
         let series = x * (Fixed::ONE + x * (Fixed::HALF + x * Fixed::SIXTH));
         let slip = level.along(reach);
         let share = series.share(Fixed::ONE + series);
-        self + (slip - self) * if x < LIMIT { share } else { Fixed::ONE }
+        let share = if x < LIMIT { share } else { Fixed::ONE };
+        // To the nearest: rounded down, a bristle in stick would creep.
+        let way = i64::from((slip - self).0) * i64::from(share.0) + i64::from(UNIT / 2);
+        self + Fixed(from_place::<PLACES>(way))
     }
     #[inline(always)]
     fn half(self) -> Fixed {
