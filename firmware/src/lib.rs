@@ -9,5 +9,6 @@
 pub mod block;
 #[cfg(target_os = "none")]
 pub mod board;
+pub mod observing;
 pub mod replay;
 pub mod samples;

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 const QEMU: &str = "qemu-system-arm";
 const TARGET: &str = "thumbv7em-none-eabihf";
-const PROGRAMS: [&str; 2] = ["replay", "count"];
+const PROGRAMS: [&str; 3] = ["replay", "count", "observe"];
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// An emulated board.
