@@ -14,6 +14,7 @@ pub mod board;
 pub mod control;
 pub mod drill;
 pub mod link;
+pub mod observing;
 pub mod parameters;
 pub mod replay;
 pub mod rtt;

@@ -189,12 +189,6 @@ impl<S: Scalar> Friction<S> {
             + (mass.damping - self.sigma1 * bending) * mass.speed
     }
 
-    /// Change of the bristle torque with ζ.
-    #[inline(always)]
-    pub(crate) fn per_bristle(&self, change: S) -> S {
-        change.times(self.level)
-    }
-
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {

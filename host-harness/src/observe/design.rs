@@ -48,7 +48,7 @@ pub struct Tuning {
 
 impl Default for Tuning {
     fn default() -> Self {
-        let mut tuning = Self {
+        Self {
             load: [0.075, 4.7, 0.06],
             slope: [25.0, 32.0, 520.0],
             leak_s: [0.1, 0.035, 0.02],
@@ -62,36 +62,7 @@ impl Default for Tuning {
             often_s: 0.012,
             often: 0.2,
             lively_s: 0.087,
-        };
-        if let Ok(text) = std::env::var("TUNE") {
-            for pair in text.split(',') {
-                let Some((key, value)) = pair.split_once('=') else { continue };
-                let value: f64 = value.parse().unwrap_or(0.0);
-                match key {
-                    "l0" => tuning.load[0] = value,
-                    "l1" => tuning.load[1] = value,
-                    "s0" => tuning.slope[0] = value,
-                    "s1" => tuning.slope[1] = value,
-                    "l2" => tuning.load[2] = value,
-                    "s2" => tuning.slope[2] = value,
-                    "tau0" => tuning.leak_s[0] = value,
-                    "tau1" => tuning.leak_s[1] = value,
-                    "tau2" => tuning.leak_s[2] = value,
-                    "n" => tuning.often = value,
-                    "nt" => tuning.often_s = value,
-                    "nh" => tuning.lively_s = value,
-                    "b" => tuning.bias = value,
-                    "d" => tuning.drive = value,
-                    "t" => tuning.torque = value,
-                    "z" => tuning.bristle = value,
-                    "f" => tuning.follow_s = value,
-                    "a" => tuning.alarm = value,
-                    "h" => tuning.hold_s = value,
-                    _ => eprintln!("unknown {key}"),
-                }
-            }
         }
-        tuning
     }
 }
 
@@ -208,9 +179,9 @@ fn assemble<const N: usize>(
         let lively = medians(linear, &uncertain(2, output), &masks);
         let Some(steady) = slow[0].clone() else { continue };
         if !output || sigma[2] == 1.0 {
-            for c in 0..CHANNELS {
-                if steady.sigma[c] > 0.0 {
-                    sigma[c] = steady.sigma[c];
+            for (own, found) in sigma.iter_mut().zip(steady.sigma) {
+                if found > 0.0 {
+                    *own = found;
                 }
             }
         }
@@ -269,11 +240,9 @@ fn columns<const N: usize>(
             current: at(Layout::CURRENT),
             angle: at(Layout::ANGLE),
             speed: at(layout.speed(0)),
-            bristle: at(layout.bristle(0)),
             stages: std::array::from_fn(|k| StageRow {
                 deflection: at(layout.deflection(k)),
                 speed: at(layout.speed(k + 1)),
-                bristle: at(layout.bristle(k + 1)),
             }),
             load: at(order.load()),
             slope: at(order.slope()),

@@ -18,7 +18,7 @@ pub struct Order {
 
 impl Order {
     /// Number of quantities that are corrected: what effects remember is not.
-    pub fn len(self) -> usize {
+    pub fn size(self) -> usize {
         self.states() + 3
     }
 
@@ -73,11 +73,11 @@ pub fn linearise(
 ) -> Result<Linear, BuildError> {
     let layout = Layout::of(model);
     let order = Order { plant: layout };
-    let (n, size) = (order.states(), order.len());
+    let (n, size) = (order.states(), order.size());
     let samples = twin.states.len();
     let times: Vec<f64> = (0..samples).map(|k| k as f64 * step_s).collect();
     let plant = plant(model, &Grid::new(&times, None), kind)?;
-    let steps = steps(model, layout, twin, sigma);
+    let steps = steps(layout, twin, sigma);
     let most = |values: &[f64]| values.iter().fold(1e-12_f64, |most, v| most.max(v.abs()));
     let (push, weight) = (1e-4 * most(&twin.drive), 1e-4 * most(&twin.load));
     let mut transition = Vec::with_capacity(samples);
@@ -134,7 +134,7 @@ pub fn linearise(
 }
 
 /// Small changes of every quantity, of the order of what is known of it.
-fn steps(model: &Model, layout: Layout, twin: &Twin, sigma: &[f64; CHANNELS]) -> Vec<f64> {
+fn steps(layout: Layout, twin: &Twin, sigma: &[f64; CHANNELS]) -> Vec<f64> {
     let most = |index: usize| twin.states.iter().map(|x| x[index].abs()).fold(1e-9, f64::max);
     let mut steps = vec![0.0; 4 + 3 * layout.stages];
     steps[Layout::CURRENT] = 1e-3 * most(Layout::CURRENT);
@@ -146,7 +146,6 @@ fn steps(model: &Model, layout: Layout, twin: &Twin, sigma: &[f64; CHANNELS]) ->
         steps[layout.speed(mass)] = 1e-5 * most(layout.speed(0));
         steps[layout.bristle(mass)] = 1e-3;
     }
-    let _ = model;
     steps
 }
 

@@ -39,7 +39,7 @@ pub struct Median {
 /// where that is nowhere.
 pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Vec<Option<Median>> {
     let order = linear.order;
-    let size = order.len();
+    let size = order.size();
     let used: Vec<usize> = (0..CHANNELS).filter(|&c| uncertain.sensors[c].is_finite()).collect();
     let h = linear.shows.select_rows(&used);
     let mut p = DMatrix::<f64>::zeros(size, size);

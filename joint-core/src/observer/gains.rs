@@ -47,7 +47,8 @@ impl Regime {
     }
 }
 
-/// One value for every quantity that the observer carries.
+/// One value for every quantity that the observer corrects. Bristles are not among them: what a
+/// sensor says of them is lost in what it says of the speeds that drive them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = "G: crate::scalar::Wire"))]
@@ -58,8 +59,6 @@ pub struct Column<G, const N: usize> {
     pub angle: G,
     /// Rotor speed, rad/s.
     pub speed: G,
-    /// Rotor bristle ζ.
-    pub bristle: G,
     /// The stages, reflected to the motor.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub stages: [StageRow<G>; N],
@@ -74,12 +73,11 @@ pub struct Column<G, const N: usize> {
 impl<G: Copy, const N: usize> Column<G, N> {
     /// The same value for everything.
     pub fn filled(value: G) -> Self {
-        let row = StageRow { deflection: value, speed: value, bristle: value };
+        let row = StageRow { deflection: value, speed: value };
         Self {
             current: value,
             angle: value,
             speed: value,
-            bristle: value,
             stages: [row; N],
             load: value,
             slope: value,
@@ -97,8 +95,6 @@ pub struct StageRow<G> {
     pub deflection: G,
     /// Speed of the mass behind it, rad/s.
     pub speed: G,
-    /// Bristle ζ of that mass.
-    pub bristle: G,
 }
 
 /// One standard deviation of everything that is estimated, each at its own side.
@@ -163,8 +159,8 @@ pub struct Design<const N: usize> {
     pub lively: (f64, u16),
     /// Steps after which a start is forgotten, and over which innovations are judged.
     pub settled: u16,
-    /// Mean of the sum of squared innovations, in standard deviations and clipped to 4, from which
-    /// on they are too large for the design.
+    /// Mean of the sum of squared innovations, in standard deviations, from which on they are too
+    /// large for the design; one sample counts four times that at most.
     pub strange: f64,
     /// Largest load believed, Nm.
     pub most_load_nm: f64,
@@ -205,6 +201,7 @@ pub struct Gains<S: Scalar, const N: usize> {
     pub(crate) settled: u16,
     pub(crate) settle: S::Gain,
     pub(crate) strange: S,
+    pub(crate) most_energy: S,
     pub(crate) most_load: S,
     pub(crate) most_bias: S,
     pub(crate) most_current: S,
@@ -252,11 +249,9 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             current: S::gain(c.current / units.current),
             angle: S::gain(c.angle / turn),
             speed: S::gain(c.speed / units.speed),
-            bristle: S::gain(c.bristle),
             stages: c.stages.map(|row| StageRow {
                 deflection: S::gain(row.deflection / units.angle),
                 speed: S::gain(row.speed / units.speed),
-                bristle: S::gain(row.bristle),
             }),
             load: S::gain(c.load * shaft / units.torque),
             slope: S::gain(c.slope * shaft / units.torque),
@@ -289,6 +284,7 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             settled: design.settled,
             settle: S::gain(1.0 / f64::from(design.settled.max(2))),
             strange: S::from_f64(design.strange),
+            most_energy: S::from_f64(4.0 * design.strange),
             most_load: S::from_f64(design.most_load_nm * libm::fabs(shaft) / units.torque),
             most_bias: S::from_f64(design.most_bias / drive),
             most_current: S::from_f64((design.most_current_a / units.current).min(LARGE)),

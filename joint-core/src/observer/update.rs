@@ -23,8 +23,15 @@ const OUTPUT_SILENCE: u16 = 3;
 const FIRST: u16 = 8;
 /// Steps for which friction must have held the rotor before that is a rest and no reversal.
 const STILL: u16 = 10;
-/// Innovations count as these many standard deviations at most in the running mean of squares.
-const CLIP: u8 = 4;
+/// Standard deviations in a step from which a speed is measured over that step alone.
+const FAST: u8 = 8;
+
+impl<S, const N: usize> Track<S, N> {
+    /// What the last update said of itself.
+    pub fn status(&self) -> Status {
+        self.status
+    }
+}
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// An observer that knows nothing yet but the rotor's whole turns since both encoders were
@@ -102,6 +109,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 track.missed = 0;
                 track.doubts = 0;
             }
+            Some(_) if repeats(sample, &track.last) => {
+                track.missed = track.missed.saturating_add(1);
+                return ([S::ZERO; CHANNELS], Status::REPEATED);
+            }
             Some(_) => {
                 status = status.with(Status::GLITCH);
                 track.doubts = track.doubts.saturating_add(1);
@@ -139,10 +150,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             }
         }
 
-        let same = sample.motor == track.last.motor
-            && sample.output == track.last.output
-            && sample.current == track.last.current;
-        if same && motor.abs() > S::ONE + S::ONE + S::ONE {
+        if motor.abs() > S::from_small(3) && repeats(sample, &track.last) {
             found = [S::ZERO; CHANNELS];
             status = status.with(Status::REPEATED);
         }
@@ -157,14 +165,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
 
         let mut lean = S::ZERO;
         let mut energy = S::ZERO;
-        let most = S::from_small(CLIP);
         let [without, with] = &gains.lean;
         for (innovation, weight) in found.iter().zip(if seen { with } else { without }) {
             lean = lean + innovation.times(*weight);
-            let clipped = bounded(*innovation, most);
-            energy = energy + clipped * clipped;
+            energy = energy + *innovation * *innovation;
         }
         track.lean = track.lean + (lean - track.lean).times(gains.follow);
+        let energy = if energy > gains.most_energy { gains.most_energy } else { energy };
         track.energy = track.energy + (energy - track.energy).times(gains.settle);
         let alarm = track.lean.abs() > gains.alarm;
         track.alert = if alarm { gains.hold } else { track.alert.saturating_sub(1) };
@@ -214,7 +221,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
     }
 
     /// Adds the gains times the innovations, and to the forces that the step keeps what follows from
-    /// them: the springs' by their tangents, the bristles'.
+    /// them by the springs' tangents.
     #[inline(always)]
     fn apply(
         &self,
@@ -232,11 +239,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         let State { current, angle, rotor, stages, .. } = &mut track.state;
         *current = *current + sum!(current);
-        angle.advance(sum!(angle));
+        // The next step's sum wraps it.
+        angle.part = angle.part + sum!(angle);
         rotor.speed = rotor.speed + sum!(speed);
-        let bent = sum!(bristle);
-        rotor.bristle.zeta = rotor.bristle.zeta + bent;
-        rotor.force = rotor.force - self.joint.rotor.per_bristle(bent);
         let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
         let mut before = &mut rotor.force;
         for ((stage, own), ((a, b), c)) in stages.iter_mut().zip(&self.joint.stages).zip(rows) {
@@ -245,10 +250,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             stage.deflection = stage.deflection + wound;
             let mass = &mut stage.mass;
             mass.speed = mass.speed + sum(a.speed, b.speed, c.speed);
-            let bent = sum(a.bristle, b.bristle, c.bristle);
-            mass.bristle.zeta = mass.bristle.zeta + bent;
             *before = *before - torque;
-            mass.force = mass.force + torque - own.friction.per_bristle(bent);
+            mass.force = mass.force + torque;
             before = &mut mass.force;
         }
         track.load = track.load + sum!(load);
@@ -274,7 +277,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         let [_, motor, _] = &self.gains.whiten;
         let last = track.age == 1;
-        let fast = moved.times(motor.per_sigma).abs() > S::from_small(CLIP + CLIP);
+        let fast = moved.times(motor.per_sigma).abs() > S::from_small(FAST);
         if !(last && fast) && track.age + 1 < FIRST {
             track.age += 1;
             return status;
@@ -302,6 +305,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         track.age = FIRST;
         Status::STARTING
     }
+}
+
+/// Whether a sample shows the very same measurements as the one before.
+#[inline(never)]
+fn repeats<S: Scalar>(sample: &Sample<S>, last: &Sample<S>) -> bool {
+    sample.motor == last.motor && sample.output == last.output && sample.current == last.current
 }
 
 /// By how much the measured rotor angle is ahead of the estimated one, in turns.
@@ -333,16 +342,14 @@ fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
     (beyond - shown).split_turns().1
 }
 
-/// The value within ± `most`; zero where it is no number.
+/// The value within ± `most`.
 #[inline(always)]
 fn bounded<S: Scalar>(value: S, most: S) -> S {
-    if value.abs() <= most {
-        value
-    } else if value > most {
+    if value > most {
         most
     } else if value < -most {
         -most
     } else {
-        S::ZERO
+        value
     }
 }

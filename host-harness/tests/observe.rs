@@ -1,0 +1,157 @@
+//! The observer on joints whose truth is known: how good it is, and what it bears.
+
+use host_harness::model::{Model, Sensor};
+use host_harness::observe::design::{Tuning, design};
+use host_harness::observe::judge::shown;
+use host_harness::observe::rating::Rating;
+use host_harness::observe::run::{Found, Seen, observer, run};
+use host_harness::observe::twin::{Felt, Twin, twin};
+use host_harness::scenario::paper;
+use joint_core::joint::Drive;
+use joint_core::observer::Status;
+
+const STEP_S: f64 = 1e-4;
+const SAMPLES: usize = 6000;
+const LOAD_NM: f64 = 0.02;
+
+fn model() -> Model {
+    let sensor = Sensor {
+        sample_time_s: STEP_S,
+        motor_encoder_counts_per_rev: 3000.0,
+        output_encoder_counts_per_rev: 65536.0,
+        current_noise_a: 1.5e-3,
+    };
+    Model { sensor, ..paper() }
+}
+
+fn rating(model: &Model) -> Rating {
+    Rating { load_nm: LOAD_NM, drive: 4.5, ..Rating::of(model, Drive::Voltage) }
+}
+
+fn motion(truth: &Model) -> Twin {
+    let felt = Felt { drive: 0.005, torque: 1e-7 };
+    twin(truth, Drive::Voltage, STEP_S, &rating(truth), &felt, SAMPLES, 11).unwrap()
+}
+
+fn found(model: &Model, seen: &[Seen]) -> Vec<Found<2>> {
+    let design =
+        design::<2>(model, Drive::Voltage, STEP_S, &rating(model), &Tuning::default()).unwrap();
+    run(&observer::<f32, 2>(model, Drive::Voltage, STEP_S, &design).unwrap(), seen, &[])
+}
+
+/// RMS error of the load from a sample on, share of its rating.
+fn load_error(found: &[Found<2>], motion: &Twin, from: usize) -> f64 {
+    let errors = found.iter().zip(&motion.load).skip(from);
+    let squares: f64 = errors.map(|(f, load)| (f.estimate.load - load).powi(2)).sum();
+    (squares / (found.len() - from) as f64).sqrt() / LOAD_NM
+}
+
+#[test]
+fn the_load_is_found_with_an_output_encoder_and_without() {
+    let model = model();
+    let motion = motion(&model);
+    for (output, bound) in [(true, 0.06), (false, 0.15)] {
+        let seen = shown(&model, Drive::Voltage, &motion, output, 1);
+        let error = load_error(&found(&model, &seen), &motion, 600);
+        println!("output encoder {output}: load error {error:.4}");
+        assert!(error < bound, "{error} with output encoder {output}");
+    }
+}
+
+#[test]
+fn faults_raise_a_flag_stay_bounded_and_are_recovered_from() {
+    let model = model();
+    let motion = motion(&model);
+    let clean = shown(&model, Drive::Voltage, &motion, true, 1);
+    type Fault = (&'static str, Status, fn(&mut Seen));
+    let faults: [Fault; 6] = [
+        ("lost", Status::COASTING, |s| s.motor = f64::NAN),
+        ("jump", Status::GLITCH, |s| s.motor += 1.5),
+        ("output jump", Status::GLITCH, |s| s.output += 1.0),
+        ("current at its end", Status::NO_CURRENT, |s| s.current = 1e6),
+        ("voltage missing", Status::NO_DRIVE, |s| s.drive = f64::NAN),
+        ("voltage infinite", Status::NO_DRIVE, |s| s.drive = f64::INFINITY),
+    ];
+    for (name, flag, fault) in faults {
+        let mut seen = clean.clone();
+        // Three samples in a row, now and then.
+        for k in (1500..2500).filter(|k| k % 100 < 3) {
+            fault(&mut seen[k]);
+        }
+        let found = found(&model, &seen);
+        for (k, f) in found.iter().enumerate() {
+            let e = &f.estimate;
+            let all = [e.load, e.motor_velocity, e.total_friction, e.windup[0], e.windup[1]];
+            assert!(all.iter().all(|v| v.is_finite()), "{name} at {k}: {e:?}");
+            assert!(e.load.abs() <= 4.1 * LOAD_NM, "{name} at {k}: load {}", e.load);
+        }
+        assert!(found[1501].estimate.status.has(flag), "{name}: {}", found[1501].estimate.status);
+        let after = load_error(&found, &motion, 2700);
+        assert!(after < 0.08, "{name}: {after} after it");
+    }
+}
+
+#[test]
+fn repeated_samples_are_noticed_while_the_joint_moves() {
+    let model = model();
+    let motion = motion(&model);
+    let mut seen = shown(&model, Drive::Voltage, &motion, true, 1);
+    let fast =
+        (1000..SAMPLES).find(|&k| motion.states[k - 5..k + 5].iter().all(|x| x[4].abs() > 1000.0));
+    let k = fast.unwrap();
+    seen[k] = Seen { drive: seen[k].drive, ..seen[k - 1] };
+    let found = found(&model, &seen);
+    assert!(found[k].estimate.status.has(Status::REPEATED), "{}", found[k].estimate.status);
+}
+
+#[test]
+fn it_starts_at_any_speed_and_after_silence_by_itself() {
+    let model = model();
+    let motion = motion(&model);
+    let whole = shown(&model, Drive::Voltage, &motion, true, 1);
+    for start in [700, 1300, 2100, 3000] {
+        let cut = Twin {
+            drive: motion.drive[start..].to_vec(),
+            load: motion.load[start..].to_vec(),
+            states: motion.states[start..].to_vec(),
+            jumps: Vec::new(),
+        };
+        let error = load_error(&found(&model, &whole[start..]), &cut, 400);
+        assert!(error < 0.08, "{error} from sample {start}");
+    }
+    let mut silent = whole;
+    for seen in &mut silent[2000..2800] {
+        *seen = Seen { drive: f64::NAN, current: f64::NAN, motor: f64::NAN, output: f64::NAN };
+    }
+    let found = found(&model, &silent);
+    assert!(found[2700].estimate.status.has(Status::LOST), "{}", found[2700].estimate.status);
+    assert!(load_error(&found, &motion, 3300) < 0.08);
+}
+
+#[test]
+fn at_rest_without_an_output_encoder_the_load_is_called_unobservable() {
+    let model = model();
+    let rest = Twin {
+        drive: vec![0.0; 1000],
+        load: vec![0.0; 1000],
+        states: vec![vec![0.0; 10]; 1000],
+        jumps: Vec::new(),
+    };
+    let found = found(&model, &shown(&model, Drive::Voltage, &rest, false, 1));
+    let e = &found[900].estimate;
+    assert!(e.status.has(Status::UNOBSERVABLE), "{}", e.status);
+    assert!(e.spread.load > 0.2 * LOAD_NM, "{}", e.spread.load);
+}
+
+#[test]
+fn a_resistance_that_is_off_does_not_pass_for_a_load() {
+    let model = model();
+    let motion = motion(&model);
+    let seen = shown(&model, Drive::Voltage, &motion, true, 1);
+    let right = load_error(&found(&model, &seen), &motion, 600);
+    let mut wrong = model.clone();
+    wrong.motor.phase_resistance_ohm *= 1.15;
+    let off = load_error(&found(&wrong, &seen), &motion, 600);
+    println!("R +15 %: {off:.4} where {right:.4} is right");
+    assert!(off < 2.0 * right, "{off} where {right} is right");
+}
