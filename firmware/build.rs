@@ -8,6 +8,12 @@ fn main() {
     }
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
+    if std::env::var_os("CARGO_FEATURE_DRIVE").is_some() {
+        println!("cargo:rustc-link-arg-bin=drive=-Tdefmt.x");
+    }
+    if std::env::var_os("CARGO_FEATURE_STM32F405").is_some() {
+        println!("cargo:rustc-link-arg-bins=--defsym=_board_f405=1");
+    }
     if std::env::var_os("CARGO_FEATURE_MPS2").is_some() {
         println!("cargo:rustc-link-arg-bins=--defsym=_board_mps2=1");
     }

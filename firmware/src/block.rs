@@ -7,31 +7,41 @@
 //! | bytes | what |
 //! |---|---|
 //! | 4 | magic `JNTP` |
-//! | 2 | version of this table and of the payload's type, [`VERSION`] |
+//! | 2 | version of this table and of the payload's type, [`VERSION`] or an older one |
 //! | 1 | number of gear stages |
 //! | 1 | zero |
 //! | 4 | length of the payload |
-//! | n | payload: the per-unit coefficients, encoded by postcard |
+//! | n | payload: [`crate::parameters::Parameters`], encoded by postcard |
 //! | 4 | CRC-32 (ISO-HDLC) of all bytes before it |
+//!
+//! A payload of a newer version begins with that of the version before, so that what an older block
+//! lacks is what gets its documented default.
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc};
+use joint_core::telemetry::frame::CRC32;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Version of the table above and of the payload; raised whenever either changes.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
+/// The oldest version that is still understood.
+pub const OLDEST_VERSION: u16 = 1;
+/// Room for a block: one flash page of the STM32G431.
+pub const PAGE_BYTES: usize = 2048;
+/// Where that page lies in an STM32's flash; `memory.x` ends the program's flash there.
+pub const PAGE_ADDRESS: u32 = 0x0801_f800;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 12;
 /// Bytes after the payload.
 pub const CRC_BYTES: usize = 4;
 
 const MAGIC: [u8; 4] = *b"JNTP";
-pub(crate) const CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Why a block is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockError {
+    /// The page is erased: no block was ever written.
+    Empty,
     /// It does not begin with the magic: not a parameter block.
     Magic,
     /// Written for another version.
@@ -49,16 +59,59 @@ pub enum BlockError {
     Stages(u8),
     /// The payload is not what this version's type looks like.
     Payload,
+    /// This coefficient is no number, or one that the equations cannot take.
+    Inadmissible(&'static str),
     /// The buffer is too small to write the block into.
     NoRoom,
+}
+
+impl BlockError {
+    /// A number for it, for where there is no room for a text; zero is none of them.
+    pub fn code(&self) -> u8 {
+        match self {
+            BlockError::Empty => 1,
+            BlockError::Magic => 2,
+            BlockError::Version(_) => 3,
+            BlockError::Length => 4,
+            BlockError::Crc { .. } => 5,
+            BlockError::Stages(_) => 6,
+            BlockError::Payload => 7,
+            BlockError::Inadmissible(_) => 8,
+            BlockError::NoRoom => 9,
+        }
+    }
+
+    /// What a code stands for.
+    pub fn of_code(code: u8) -> &'static str {
+        match code {
+            0 => "accepted",
+            1 => "no parameter block in the page",
+            2 => "not a parameter block",
+            3 => "unknown version",
+            4 => "wrong length",
+            5 => "wrong checksum",
+            6 => "too many stages for this program",
+            7 => "unreadable payload",
+            8 => "inadmissible value",
+            9 => "no room",
+            _ => "unknown reason",
+        }
+    }
 }
 
 impl fmt::Display for BlockError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            BlockError::Empty => f.write_str("no parameter block: the page is erased"),
+            BlockError::Inadmissible(key) => {
+                write!(f, "parameter block with an inadmissible value of {key}")
+            }
             BlockError::Magic => f.write_str("not a parameter block"),
             BlockError::Version(found) => {
-                write!(f, "parameter block of version {found}, expected {VERSION}")
+                write!(
+                    f,
+                    "parameter block of version {found}, expected {OLDEST_VERSION} to {VERSION}"
+                )
             }
             BlockError::Length => f.write_str("parameter block of the wrong length"),
             BlockError::Crc { stored, found } => {
@@ -75,7 +128,7 @@ impl fmt::Display for BlockError {
 
 impl core::error::Error for BlockError {}
 
-/// Writes a block with these coefficients into `out` and returns its length.
+/// Writes a block with this payload into `out` and returns its length.
 ///
 /// # Errors
 /// [`BlockError::NoRoom`] where `out` is too small.
@@ -84,9 +137,22 @@ pub fn encode<T: Serialize>(
     stages: u8,
     out: &mut [u8],
 ) -> Result<usize, BlockError> {
+    encode_as(VERSION, parameters, stages, out)
+}
+
+/// Writes a block that says it is of this version.
+///
+/// # Errors
+/// [`BlockError::NoRoom`] where `out` is too small.
+pub fn encode_as<T: Serialize>(
+    version: u16,
+    parameters: &T,
+    stages: u8,
+    out: &mut [u8],
+) -> Result<usize, BlockError> {
     let (header, rest) = out.split_at_mut_checked(HEADER_BYTES).ok_or(BlockError::NoRoom)?;
     let length = postcard::to_slice(parameters, rest).map_err(|_| BlockError::NoRoom)?.len();
-    let [v0, v1] = VERSION.to_le_bytes();
+    let [v0, v1] = version.to_le_bytes();
     header[..4].copy_from_slice(&MAGIC);
     header[4..8].copy_from_slice(&[v0, v1, stages, 0]);
     let stated = u32::try_from(length).map_err(|_| BlockError::NoRoom)?;
@@ -100,6 +166,8 @@ pub fn encode<T: Serialize>(
 /// A block whose header and checksum are right; the payload is still to be decoded.
 #[derive(Clone, Copy, Debug)]
 pub struct Block<'a> {
+    /// The version that it was written in.
+    pub version: u16,
     /// Number of gear stages.
     pub stages: u8,
     /// The checksum, which tells one set of parameters from another.
@@ -108,6 +176,24 @@ pub struct Block<'a> {
 }
 
 impl<'a> Block<'a> {
+    /// Checks the block at the start of a flash page; what comes after it is not looked at.
+    ///
+    /// # Errors
+    /// As [`Block::check`]; [`BlockError::Empty`] where the page is erased.
+    pub fn in_page(page: &'a [u8]) -> Result<Self, BlockError> {
+        let header = page.first_chunk::<HEADER_BYTES>().ok_or(BlockError::Magic)?;
+        if *header == [0xff; HEADER_BYTES] {
+            return Err(BlockError::Empty);
+        }
+        if header.first_chunk::<4>() != Some(&MAGIC) {
+            return Err(BlockError::Magic);
+        }
+        let [.., l0, l1, l2, l3] = *header;
+        let payload = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
+        let length = payload.checked_add(HEADER_BYTES + CRC_BYTES).ok_or(BlockError::Length)?;
+        Self::check(page.get(..length).ok_or(BlockError::Length)?)
+    }
+
     /// Checks the frame of a block: magic, version, length, checksum.
     ///
     /// # Errors
@@ -121,7 +207,7 @@ impl<'a> Block<'a> {
             return Err(BlockError::Magic);
         }
         let version = u16::from_le_bytes([v0, v1]);
-        if version != VERSION {
+        if !(OLDEST_VERSION..=VERSION).contains(&version) {
             return Err(BlockError::Version(version));
         }
         if usize::try_from(u32::from_le_bytes([l0, l1, l2, l3])) != Ok(payload.len()) {
@@ -131,18 +217,34 @@ impl<'a> Block<'a> {
         if stored != found {
             return Err(BlockError::Crc { stored, found });
         }
-        Ok(Self { stages, crc: stored, payload })
+        Ok(Self { version, stages, crc: stored, payload })
     }
 
-    /// The coefficients.
+    /// The payload as one value.
     ///
     /// # Errors
-    /// [`BlockError::Payload`] where they are not what `T` looks like.
+    /// [`BlockError::Payload`] where it is not what `T` looks like.
     pub fn decode<T: DeserializeOwned>(&self) -> Result<T, BlockError> {
-        match postcard::take_from_bytes(self.payload) {
-            Ok((parameters, [])) => Ok(parameters),
-            _ => Err(BlockError::Payload),
-        }
+        last(self.payload)
+    }
+
+    /// The first value of the payload, and what comes after it.
+    ///
+    /// # Errors
+    /// [`BlockError::Payload`] where it is not what `T` looks like.
+    pub fn take<T: DeserializeOwned>(&self) -> Result<(T, &'a [u8]), BlockError> {
+        postcard::take_from_bytes(self.payload).map_err(|_| BlockError::Payload)
+    }
+}
+
+/// The value that these bytes are, and nothing after it.
+///
+/// # Errors
+/// [`BlockError::Payload`] where they are not what `T` looks like.
+pub fn last<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, BlockError> {
+    match postcard::take_from_bytes(bytes) {
+        Ok((value, [])) => Ok(value),
+        _ => Err(BlockError::Payload),
     }
 }
 
@@ -163,6 +265,31 @@ mod tests {
         assert_eq!(block.stages, 2);
         assert_eq!(block.decode::<[f32; 3]>(), Ok([1.5, -2.0, 3.25]));
         assert_eq!(block.decode::<[f32; 2]>(), Err(BlockError::Payload));
+    }
+
+    #[test]
+    fn a_page_holds_a_block_an_erased_one_none_and_a_wrong_length_is_no_panic() {
+        let mut page = block();
+        page.resize(PAGE_BYTES, 0xff);
+        assert_eq!(Block::in_page(&page).unwrap().decode::<[f32; 3]>(), Ok([1.5, -2.0, 3.25]));
+        assert_eq!(Block::in_page(&[0xff; PAGE_BYTES]).unwrap_err(), BlockError::Empty);
+        assert_eq!(Block::in_page(&[0; PAGE_BYTES]).unwrap_err(), BlockError::Magic);
+        assert_eq!(Block::in_page(&page[..7]).unwrap_err(), BlockError::Magic);
+        for length in [u32::MAX, 2048, 13, 0] {
+            page[8..12].copy_from_slice(&length.to_le_bytes());
+            assert!(Block::in_page(&page).is_err(), "length {length}");
+        }
+    }
+
+    #[test]
+    fn only_known_versions_are_read() {
+        let mut bytes = [0; 64];
+        for version in [0, VERSION + 1, u16::MAX] {
+            let length = encode_as(version, &1.5_f32, 0, &mut bytes).unwrap();
+            assert_eq!(Block::check(&bytes[..length]).unwrap_err(), BlockError::Version(version));
+        }
+        let length = encode_as(OLDEST_VERSION, &1.5_f32, 0, &mut bytes).unwrap();
+        assert_eq!(Block::check(&bytes[..length]).unwrap().version, OLDEST_VERSION);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The emulated board: arguments, files, exit codes, and a counter of instructions.
 //!
 //! Everything goes through semihosting, which every board in QEMU has; no HAL, no clock set-up.
-//! This is the one module of the workspace with `unsafe` in it, for the registers of one timer and
-//! for the fault handler's signature.
+//! `unsafe` is for the registers of one timer, for what the linker placed, and for the fault
+//! handler's signature.
 #![allow(unsafe_code)]
 
 use core::ffi::CStr;
@@ -12,7 +12,7 @@ use semihosting::fs::File;
 use semihosting::io::{self, Read, Write};
 use semihosting::{eprintln, process};
 
-use crate::block::BlockError;
+use crate::block::{BlockError, PAGE_BYTES};
 use crate::samples::Checksum;
 
 /// Longest command line, and longest file name in it.
@@ -135,6 +135,21 @@ impl Sink {
         Ok(())
     }
 
+    /// Adds a byte.
+    ///
+    /// # Errors
+    /// The host could not write.
+    pub fn put_byte(&mut self, byte: u8) -> Result<(), Failure> {
+        if self.length == self.buffer.len() {
+            self.flush()?;
+        }
+        if let Some(free) = self.buffer.get_mut(self.length) {
+            *free = byte;
+            self.length += 1;
+        }
+        Ok(())
+    }
+
     /// Writes what is buffered; to be called once more at the end.
     ///
     /// # Errors
@@ -199,6 +214,61 @@ impl InstructionCounter {
         compiler_fence(Ordering::SeqCst);
         now
     }
+}
+
+/// The flash page with the parameters.
+pub fn parameter_page() -> &'static [u8] {
+    unsafe extern "C" {
+        /// From `memory.x`: the first address past the program's flash.
+        static _parameter_page: [u8; PAGE_BYTES];
+    }
+    // SAFETY: the page is memory of the board that nothing writes while the program runs, and every
+    // byte is a value.
+    unsafe { &_parameter_page }
+}
+
+unsafe extern "C" {
+    static mut _stack_start: u32;
+    static mut _stack_end: u32;
+}
+
+/// What the runtime paints the stack with.
+const PAINT: u32 = 0xcccc_cccc;
+
+/// Bytes of stack that `work` uses, with the interrupts that come meanwhile.
+#[inline(never)]
+pub fn stack_of(work: impl FnOnce()) -> usize {
+    let here = cortex_m::register::msp::read();
+    // A little is left for this function's own calls.
+    let top = (here - 64) as *mut u32;
+    let mut at = &raw mut _stack_end;
+    while at < top {
+        // SAFETY: between the stack's end and what is in use of it there is nothing but what
+        // returned functions have left.
+        unsafe {
+            at.write_volatile(PAINT);
+            at = at.add(1);
+        }
+    }
+    work();
+    let all = stack_used();
+    let above = (&raw const _stack_start as usize).saturating_sub(here as usize);
+    all.saturating_sub(above)
+}
+
+/// Bytes of stack that were ever used since it was painted, by the runtime before the start or by
+/// [`stack_of`].
+pub fn stack_used() -> usize {
+    let (top, bottom) = (&raw const _stack_start, &raw const _stack_end);
+    let mut at = bottom;
+    // SAFETY: both ends are the linker's; the words between them are RAM, read once each and only
+    // up to the first that was used.
+    unsafe {
+        while at < top && at.read_volatile() == PAINT {
+            at = at.add(1);
+        }
+    }
+    (top as usize).saturating_sub(at as usize)
 }
 
 #[panic_handler]

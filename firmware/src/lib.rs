@@ -1,13 +1,23 @@
-//! What the boards share: the parameter block, the replay, and the board itself.
+//! What the boards share: the parameter block, the control period, and the replay.
 //!
-//! [`block`], [`samples`] and [`replay`] compile on the host too, so whoever writes a block or
-//! checks the states of a replay uses the very code that runs on the chip. `board` exists on the
-//! chip alone and holds every `unsafe` line of the workspace.
+//! All but the boards themselves compiles on the host too, so whoever writes a block, reads a frame
+//! or checks what a drive computed uses the very code that runs on the chip. `unsafe` is for
+//! registers, and stands with the board that has them.
 
 #![cfg_attr(target_os = "none", no_std)]
 
+pub mod admissible;
+pub mod any_control;
 pub mod block;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod board;
+pub mod control;
+pub mod link;
+pub mod parameters;
 pub mod replay;
+pub mod rtt;
 pub mod samples;
+pub mod session;
+pub mod six_step;
+#[cfg(any(feature = "stm32g431", feature = "stm32f405"))]
+pub mod stm32;

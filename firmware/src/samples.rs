@@ -39,7 +39,7 @@ pub fn samples(bytes: &[u8]) -> impl Iterator<Item = Sample> + '_ {
 
 /// Running CRC-32 of what the replay wrote, to be printed beside it.
 #[derive(Clone)]
-pub struct Checksum(crc::Digest<'static, u32>);
+pub struct Checksum(crc::Digest<'static, u32, crc::Table<1>>);
 
 impl core::fmt::Debug for Checksum {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -49,8 +49,7 @@ impl core::fmt::Debug for Checksum {
 
 impl Default for Checksum {
     fn default() -> Self {
-        static CRC: crc::Crc<u32> = crate::block::CRC32;
-        Self(CRC.digest())
+        Self(joint_core::telemetry::frame::CRC32.digest())
     }
 }
 

@@ -41,8 +41,12 @@ verbs! {
     Reproduce => reproduce,
     Identify => identify,
     Discover => discover,
+    Observe => observe,
     Score => score,
     Demo => demo,
+    Export => export,
+    Monitor => monitor,
+    Capture => capture,
 }
 
 /// Runs the command line of this process.

@@ -323,6 +323,8 @@ macro_rules! by_stages {
     };
 }
 
+pub(crate) use by_stages;
+
 /// A joint in double precision over a record's intervals.
 ///
 /// # Errors

@@ -63,6 +63,11 @@ impl<S: Scalar> Ratio<S> {
         Self { per_part: S::gain(ratio), per_turn: S::gain(ratio - libm::round(ratio)) }
     }
 
+    /// The ratio itself.
+    pub fn gain(&self) -> S::Gain {
+        self.per_part
+    }
+
     /// The product's part of a turn, −½ to ½.
     #[inline]
     pub fn of(&self, angle: Angle<S>) -> S {

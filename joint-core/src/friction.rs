@@ -2,9 +2,14 @@
 //!
 //! At a fixed speed the bristle relaxes exponentially towards its slip value, up to 10⁸ times a
 //! second: far stiffer than the step, but a scalar with a closed solution, of which this takes the
-//! Padé (0,2) approximant. It is exact in stick to second order, exact in the slip limit, and
+//! Padé (0,3) approximant. It is exact in stick to third order, exact in the slip limit, and
 //! stable at every step. Equations (2) and (3); symbols as there, with `ζ = σ0 z / α0` the bristle
 //! torque in units of the Coulomb level and `ρ = α0 / g(v)`.
+//!
+//! The speed moves in the kicks, though, and friction bends with it: by the Stribeck curve, which
+//! can turn a gear's damping negative within one step, and by the corner at standstill. So the
+//! kicks take the torque σ1 ż by its tangent, and after the middle one [`Friction::straighten`] makes
+//! good what halves of constant speed miss of a reversal.
 
 use crate::joint::Mass;
 use crate::params;
@@ -15,7 +20,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Friction<S: Scalar> {
-    /// 1/v0.
+    /// √2/v0.
     per_stribeck_velocity: S::Gain,
     /// β = α1/α0.
     beta: S,
@@ -27,6 +32,10 @@ pub struct Friction<S: Scalar> {
     stiffness: S::Gain,
     sigma1: S,
     sigma2: S,
+    /// Share of ζ per speed that passes standstill.
+    corner: S::Gain,
+    /// Share of the speed behind standstill that the damping of a reversing bristle takes.
+    reversal: S,
 }
 
 /// A level g(v) of zero at standstill would leave ζ there undefined.
@@ -37,18 +46,35 @@ const LEAST_BETA: f64 = -1.0 + 1e-6;
 pub struct Bristle<S> {
     /// ζ = σ0 z / α0: bristle torque over Coulomb level.
     pub zeta: S,
-    /// χ = ż / v = 1 − sgn(v) ζ ρ at the end of the last flow: the share of the motion that bends
-    /// the bristle.
+    /// ∂ż/∂v = 1 − sgn(v) ζ (ρ + v ρ') at the end of the last flow: how much faster the bristle
+    /// bends for a faster motion.
     pub(crate) bending: S,
 }
 
+/// The Stribeck curve at one speed.
+#[derive(Clone, Copy)]
+struct Curve<S> {
+    /// ρ = α0/g(v).
+    rho: S,
+    /// v ρ'.
+    steepness: S,
+}
+
+/// Mean of what a speed that crosses zero evenly between the two half drifts makes of ∫|v|, less what
+/// the halves make of it, over the smaller of the two: the least-squares fit over all crossings.
+const CORNER: f64 = 7.0 / 24.0;
+/// Mean share of the step behind standstill that the tangent before it misses of |v|, twice.
+const REVERSAL: f64 = 2.0 / 3.0;
+
 impl<S: Scalar> Friction<S> {
-    /// From SI: `shaft` is the mass's ratio to the motor, `half_step` in seconds; `torque`, `speed`
-    /// and `angle` are the units at the motor.
+    /// From SI: `shaft` is the mass's ratio to the motor, `half_step` in seconds, `mobility` what
+    /// speed the middle kick gives per torque; `torque`, `speed` and `angle` are the units at the
+    /// motor.
     pub(crate) fn new(
         friction: &params::Friction,
         shaft: f64,
         half_step: f64,
+        mobility: f64,
         [torque, speed, angle]: [f64; 3],
     ) -> Self {
         let shaft = libm::fabs(shaft);
@@ -60,41 +86,67 @@ impl<S: Scalar> Friction<S> {
             (0.0, 0.0)
         };
         let damping = shaft * shaft * speed / torque;
+        let sigma1 = friction.sigma1_nm_s_per_rad * shaft * shaft;
         Self {
-            per_stribeck_velocity: S::gain(speed * shaft / friction.stribeck_velocity_rad_per_s),
+            per_stribeck_velocity: S::gain(
+                core::f64::consts::SQRT_2 * speed * shaft / friction.stribeck_velocity_rad_per_s,
+            ),
             beta: S::from_f64(beta.max(LEAST_BETA)),
             kappa: S::gain(kappa * speed),
             level: S::gain(alpha0 / torque),
             stiffness: S::gain(sigma0 * angle / torque),
             sigma1: S::from_f64(friction.sigma1_nm_s_per_rad * damping),
             sigma2: S::from_f64(friction.sigma2_nm_s_per_rad * damping),
+            corner: S::gain(CORNER * kappa * speed / (1.0 + beta.max(0.0))),
+            reversal: S::from_f64(REVERSAL * sigma1 * mobility),
         }
     }
 
-    /// 1/ρ = g(v)/α0 = 1 + β exp(−(v/v0)²), equation (3).
+    /// The Stribeck curve 1/ρ = g(v)/α0 = 1 + β exp(−(v/v0)²), equation (3), and how it bends.
     #[inline(always)]
-    fn slip_level(&self, speed: S) -> S {
-        S::ONE + self.beta * speed.times(self.per_stribeck_velocity).bell()
+    fn curve(&self, speed: S) -> Curve<S> {
+        let relative = speed.times(self.per_stribeck_velocity);
+        let square = relative * relative;
+        let excess = square.excess(self.beta);
+        let rho = S::ONE - excess;
+        Curve { rho, steepness: rho * excess * square }
     }
 
     /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
     pub(crate) fn settle(&self, mass: &mut Mass<S>, inverse_level: S) {
-        let slip = mass.bristle.zeta.over(self.slip_level(mass.speed)) * inverse_level;
-        mass.bristle.bending = bending(mass.speed, slip);
+        self.keep(mass, mass.bristle.zeta, &self.curve(mass.speed), inverse_level);
     }
 
-    /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and a = 1 + x/2,
-    /// `ζ ← (ζ + y a) / (1 + x a)`. Numerator and denominator are multiplied by 1/ρ², so that one
-    /// division gives the new ζ ρ.
+    /// Puts the bristle at ζ. Its torque σ0 z + σ1 ż is kept as a tangent in the speed: what there is
+    /// of it at standstill is the mass's force to begin with.
+    #[inline(always)]
+    fn keep(&self, mass: &mut Mass<S>, zeta: S, curve: &Curve<S>, inverse_level: S) {
+        let along = if mass.speed < S::ZERO { -zeta } else { zeta } * inverse_level;
+        mass.bristle = Bristle { zeta, bending: S::ONE - along * (curve.rho + curve.steepness) };
+        let standing = along * curve.steepness * mass.speed;
+        mass.force = -(zeta.times(self.level) + standing * self.sigma1);
+    }
+
+    /// Friction torque on a mass beside its damping times its speed: the tangent's value at
+    /// standstill.
+    #[inline]
+    pub(crate) fn standing(&self, mass: &Mass<S>) -> S {
+        let zeta = mass.bristle.zeta;
+        let along = if mass.speed < S::ZERO { -zeta } else { zeta };
+        let bent = along * self.curve(mass.speed).steepness * mass.speed;
+        zeta.times(self.level) + bent * self.sigma1
+    }
+
+    /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
+    /// a = 1 + x/2 + x²/6, `ζ ← (ζ + y a) / (1 + x a)`.
     #[inline(always)]
     pub(crate) fn flow(&self, mass: &mut Mass<S>) {
-        let level = self.slip_level(mass.speed);
+        let curve = self.curve(mass.speed);
         let y = mass.speed.times(self.kappa);
-        let reach = y.abs();
-        let series = level + reach * S::HALF;
-        let slip = (mass.bristle.zeta * level + y * series).over(level * level + reach * series);
-        mass.bristle.zeta = slip * level;
-        mass.bristle.bending = bending(mass.speed, slip);
+        let x = y.abs() * curve.rho;
+        let a = S::ONE + x * (S::HALF + x * S::SIXTH);
+        let zeta = (mass.bristle.zeta + y * a).over(S::ONE + x * a);
+        self.keep(mass, zeta, &curve, S::ONE);
     }
 
     /// Moves the bristle over half a step in which an effect's factor on g(v) changes; both
@@ -107,10 +159,9 @@ impl<S: Scalar> Friction<S> {
     #[inline]
     pub(crate) fn flow_along(&self, mass: &mut Mass<S>, inverse_levels: [S; 2]) {
         let [start, end] = inverse_levels;
-        let plain = self.slip_level(mass.speed);
-        let rho = S::ONE.over(plain);
+        let curve = self.curve(mass.speed);
         let reach = mass.speed.times(self.kappa);
-        let decay = reach.abs() * rho * (start + end) * S::HALF;
+        let decay = reach.abs() * curve.rho * (start + end) * S::HALF;
         let three = S::ONE + S::ONE + S::ONE;
         let square = decay * decay;
         let (above, below) = (
@@ -119,70 +170,100 @@ impl<S: Scalar> Friction<S> {
         );
         let way = above.over(below);
         let (first, last) = (S::ONE.over(start), S::ONE.over(end));
-        let target = (first + (last - first) * way) * plain;
+        let target = (first + (last - first) * way).over(curve.rho);
         let target = if mass.speed < S::ZERO { -target } else { target };
-        let series = decay * (S::ONE + decay * S::HALF);
+        let series = decay * (S::ONE + decay * (S::HALF + decay * S::SIXTH));
         let zeta = (mass.bristle.zeta + series * target).over(S::ONE + series);
-        mass.bristle.zeta = zeta;
-        mass.bristle.bending = bending(mass.speed, zeta * rho * end);
+        self.keep(mass, zeta, &curve, end);
     }
 
-    /// Bristle torque σ0 z.
+    /// Makes good, once the middle kick has turned the speed round from `before`, what two half steps
+    /// at constant speeds miss of the bristle's ∫|v|, and the kick's tangent of the damping behind
+    /// standstill.
     #[inline(always)]
-    pub(crate) fn torque(&self, bristle: &Bristle<S>) -> S {
-        bristle.zeta.times(self.level)
+    pub(crate) fn straighten(&self, mass: &mut Mass<S>, before: S) {
+        let after = mass.speed;
+        // Twice the smaller of the two where they differ in sign, and exactly zero elsewhere.
+        let passed = before.abs() + after.abs() - (before + after).abs();
+        let bristle = &mut mass.bristle;
+        bristle.zeta = bristle.zeta + bristle.zeta * passed.times(self.corner);
+        let behind = if passed > S::ZERO { after } else { S::ZERO };
+        mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
     }
 
-    /// Damping c = σ1 χ + σ2, the torque per speed beside the bristle torque.
+    /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {
         self.sigma1 * bristle.bending + self.sigma2 * viscous
     }
 
-    /// Change of the bristle torque with the angle: σ0 χ.
+    /// Change of the bristle torque with the angle where the speed changes with it: σ0 ∂ż/∂v.
     #[inline(always)]
     pub(crate) fn slope(&self, bristle: &Bristle<S>) -> S {
         bristle.bending.times(self.stiffness)
     }
 }
 
-/// χ = 1 − sgn(v) ζ ρ, from ζ ρ.
-#[inline(always)]
-fn bending<S: Scalar>(speed: S, slip: S) -> S {
-    if speed < S::ZERO { S::ONE + slip } else { S::ONE - slip }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const SIGMA1: f64 = 0.3;
+
     fn friction(stribeck_nm: f64) -> Friction<f64> {
         let friction = params::Friction {
             sigma0_nm_per_rad: 3.0,
+            sigma1_nm_s_per_rad: SIGMA1,
             coulomb_nm: 0.5,
             stribeck_nm,
             stribeck_velocity_rad_per_s: 2.0,
             ..params::Friction::default()
         };
-        Friction::new(&friction, 1.0, 0.1, [1.0; 3])
+        Friction::new(&friction, 1.0, 0.1, 1.0, [1.0; 3])
     }
 
     #[test]
     fn the_flow_is_the_pade_quotient() {
         for k in -40..=40 {
             let speed = 0.2 * f64::from(k);
-            let bristle = Bristle { zeta: 0.3, bending: 0.0 };
+            let bristle = Bristle { zeta: 0.3, ..Bristle::default() };
             let mut mass = Mass { speed, bristle, ..Mass::default() };
             friction(0.2).flow(&mut mass);
             let rho = 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
             let y = 3.0 * 0.1 / 0.5 * speed;
-            let a = 1.0 + y.abs() * rho / 2.0;
-            let zeta = (0.3 + y * a) / (1.0 + y.abs() * rho * a);
+            let x = y.abs() * rho;
+            let a = 1.0 + x / 2.0 + x * x / 6.0;
+            let zeta = (0.3 + y * a) / (1.0 + x * a);
             // The exponential's error, 1e-10, times β and the slopes, all below one.
             assert!((mass.bristle.zeta - zeta).abs() < 1e-9, "at {speed}");
-            let bending = 1.0 - if speed < 0.0 { -1.0 } else { 1.0 } * zeta * rho;
-            assert!((mass.bristle.bending - bending).abs() < 1e-9, "at {speed}");
         }
+    }
+
+    #[test]
+    fn what_is_kept_is_the_tangent_of_the_bristle_torque() {
+        let rho = |speed: f64| 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
+        let rate = |speed: f64, zeta: f64| speed - speed.abs() * rho(speed) * zeta;
+        for speed in [-5.0_f64, -1.7, -0.3, 0.2, 1.0, 2.5, 6.0] {
+            let bristle = Bristle { zeta: 0.7, ..Bristle::default() };
+            let mut mass = Mass { speed, bristle, ..Mass::default() };
+            friction(0.2).settle(&mut mass, 1.0);
+            let bristle = mass.bristle;
+            let tangent = (rate(speed + 1e-5, 0.7) - rate(speed - 1e-5, 0.7)) / 2e-5;
+            assert!((bristle.bending - tangent).abs() < 1e-8, "slope at {speed}");
+            let held = SIGMA1 * (rate(speed, 0.7) - bristle.bending * speed) + 0.5 * 0.7;
+            assert!((mass.force + held).abs() < 1e-9, "value at {speed}");
+        }
+    }
+
+    #[test]
+    fn only_a_speed_that_changes_its_sign_needs_straightening() {
+        let bristle = Bristle { zeta: 0.7, ..Bristle::default() };
+        let mut mass = Mass { speed: 1.3, bristle, ..Mass::default() };
+        let before = mass;
+        friction(0.2).straighten(&mut mass, 0.2);
+        assert_eq!(mass, before);
+        friction(0.2).straighten(&mut mass, -0.2);
+        assert!(mass.speed < 1.3 && mass.bristle.zeta > 0.7);
     }
 
     #[test]

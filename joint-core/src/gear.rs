@@ -44,8 +44,18 @@ impl<S: Scalar> Spring<S> {
     /// Elastic torque.
     #[inline(always)]
     pub(crate) fn torque(&self, deflection: S) -> S {
-        let square = deflection * deflection;
-        deflection.times(self.linear) + (deflection * square).times(self.cubic)
+        self.secant(deflection) * deflection
+    }
+
+    /// Elastic torque over deflection.
+    #[inline(always)]
+    fn secant(&self, deflection: S) -> S {
+        S::ONE.times(self.linear) + (deflection * deflection).times(self.cubic)
+    }
+
+    /// Whether there is a damper.
+    pub(crate) fn is_damped(&self) -> bool {
+        self.before != S::Gain::default()
     }
 
     /// Torque of the damper at a relative speed.
@@ -57,9 +67,8 @@ impl<S: Scalar> Spring<S> {
     /// Derivative of the elastic torque with the deflection.
     #[inline(always)]
     pub(crate) fn slope(&self, deflection: S) -> S {
-        let three = S::ONE + S::ONE + S::ONE;
-        let square = deflection * deflection;
-        S::ONE.times(self.linear) + (three * square).times(self.cubic)
+        let hardened = (deflection * deflection).times(self.cubic);
+        self.secant(deflection) + hardened + hardened
     }
 
     /// Lets the damper act for half a step on the speeds before and after it.

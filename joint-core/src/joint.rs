@@ -14,9 +14,7 @@ use crate::per_unit::{Bases, reflected_inertia};
 use crate::scalar::Scalar;
 
 pub use crate::motor::Drive;
-
-/// Most micro-steps one step is divided into.
-pub const MAX_MICRO_STEPS: u32 = 64;
+pub use crate::pace::{MAX_MICRO_STEPS, Pace, micro_steps};
 
 /// How a joint is to be stepped.
 #[derive(Clone, Copy, Debug)]
@@ -84,9 +82,11 @@ pub struct Joint<S: Scalar, const N: usize, E = ()> {
     pub(crate) stages: [StageConstants<S>; N],
     pub(crate) effects: E,
     per_drive: S::Gain,
-    per_load: S::Gain,
+    pub(crate) per_load: S::Gain,
     pub(crate) current_imposed: bool,
-    output_shaft: f64,
+    /// Whether any stage has a damper.
+    pub(crate) damped: bool,
+    pub(crate) output_shaft: f64,
     pub(crate) units: Units<S>,
 }
 
@@ -99,9 +99,9 @@ pub(crate) struct Units<S: Scalar> {
     pub(crate) speed: S::Gain,
     pub(crate) torque: S::Gain,
     pub(crate) angle: S::Gain,
-    per_current: f64,
-    per_speed: f64,
-    per_angle: f64,
+    pub(crate) per_current: f64,
+    pub(crate) per_speed: f64,
+    pub(crate) per_angle: f64,
 }
 
 /// One mass: its speed and bristle, and the force and damping it was last found under.
@@ -207,7 +207,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let inertia = |mass| reflected_inertia(motor, stages, load, mass);
         let gamma = |inertia: f64| S::gain(step * step / (24.0 * inertia) * torque / angle);
         let friction = |mass| {
-            Friction::new(bases.friction(mass), bases.shaft(mass), half, [torque, speed, angle])
+            let units = [torque, speed, angle];
+            let mobility = MIDDLE * step / inertia(mass);
+            Friction::new(bases.friction(mass), bases.shaft(mass), half, mobility, units)
         };
         let kick = |weight: f64| {
             let units = [torque, speed, current];
@@ -248,6 +250,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             rotor_gamma: gamma(inertia(0)),
             outer: kick(OUTER),
             middle: kick(MIDDLE),
+            damped: stages.iter().any(|stage| stage.spring.is_damped()),
             stages,
             effects,
             per_drive: S::gain(match settings.drive {
@@ -388,53 +391,3 @@ fn mass_mut<S, const N: usize>(state: &mut State<S, N>, mass: usize) -> Option<&
 /// Weights of the kicks of the fourth-order splitting.
 pub(crate) const OUTER: f64 = 1.0 / 6.0;
 pub(crate) const MIDDLE: f64 = 2.0 / 3.0;
-
-/// How many micro-steps a step of `step_s` seconds needs.
-///
-/// The fastest mode of the chain, with every spring at its tangent under twice the breakaway torque
-/// and every bristle stuck, must turn by at most 1.6 rad in a micro-step, where the splitting's
-/// frequency error is 0.2 %; and no mass may lose more than half its speed to damping in the
-/// middle kick.
-pub fn micro_steps(motor: &Motor, stages: &[Stage], load: &Load, step_s: f64) -> u32 {
-    const LARGEST_PHASE: f64 = 1.6;
-    let bases = Bases::si(motor, stages);
-    let breakaway: f64 = (0..=stages.len()).map(|mass| bases.breakaway(mass)).sum();
-    let inertia = |mass| reflected_inertia(motor, stages, load, mass);
-    let spring = |mass: usize| {
-        mass.checked_sub(1).and_then(|k| stages.get(k)).map_or(0.0, |stage| {
-            let shaft = bases.shaft(mass);
-            tangent(stage, 2.0 * breakaway / libm::fabs(shaft)) * shaft * shaft
-        })
-    };
-    // Gershgorin's rows of M^-1 (K + diag σ0) with the couplings symmetrised bound the mode.
-    let mut fastest: f64 = 0.0;
-    let mut damping: f64 = 0.0;
-    for mass in 0..=stages.len() {
-        let friction = bases.friction(mass);
-        let square = bases.shaft(mass) * bases.shaft(mass);
-        let (own, before, after) = (inertia(mass), spring(mass), spring(mass + 1));
-        let mut row = (friction.sigma0_nm_per_rad * square + before + after) / own;
-        if mass > 0 {
-            row += before / libm::sqrt(own * inertia(mass - 1));
-        }
-        if mass < stages.len() {
-            row += after / libm::sqrt(own * inertia(mass + 1));
-        }
-        fastest = fastest.max(row);
-        let loss = 2.0 * friction.sigma1_nm_s_per_rad + friction.sigma2_nm_s_per_rad;
-        damping = damping.max(loss * square / own);
-    }
-    let by_mode = libm::ceil(step_s * libm::sqrt(fastest) / LARGEST_PHASE);
-    let by_damping = libm::ceil(step_s * damping * MIDDLE);
-    by_mode.max(by_damping).clamp(1.0, f64::from(MAX_MICRO_STEPS)) as u32
-}
-
-/// Tangent stiffness of a stage's spring under a torque, Nm/rad.
-fn tangent(stage: &Stage, torque: f64) -> f64 {
-    let (k1, k3) = (stage.stiffness_nm_per_rad, stage.cubic_stiffness_nm_per_rad3);
-    let mut x = torque / k1;
-    for _ in 0..20 {
-        x -= (k1 * x + k3 * x * x * x - torque) / (k1 + 3.0 * k3 * x * x);
-    }
-    k1 + 3.0 * k3 * x * x
-}

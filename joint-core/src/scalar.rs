@@ -42,6 +42,8 @@ pub trait Scalar:
     const ONE: Self;
     /// One half.
     const HALF: Self;
+    /// One sixth.
+    const SIXTH: Self;
 
     /// A constant from its exact value.
     fn gain(value: f64) -> Self::Gain;
@@ -51,6 +53,8 @@ pub trait Scalar:
     fn to_f64(self) -> f64;
     /// Product with a constant.
     fn times(self, gain: Self::Gain) -> Self;
+    /// A small whole number.
+    fn from_small(value: u8) -> Self;
     /// Quotient by a positive number that the dividend does not exceed; not for the plain step.
     fn ratio(self, at_least_self: Self) -> Self;
     /// Quotient by a number of one or more.
@@ -68,17 +72,19 @@ pub trait Scalar:
     /// `(whole + part) · ratio`, for laws that do not repeat with the angle.
     fn wide_turns(whole: i32, part: Self, ratio: Self::Gain) -> Self;
 
+    /// Turns between −½ and ½ from counts of 2⁻³² turn.
+    fn from_turn_counts(counts: i32) -> Self;
+
     /// Cosine of an angle in turns, for |turns| ≤ ½.
     fn cos_turns(self) -> Self {
         let quarter = Self::HALF * Self::HALF;
         (quarter - self.abs()).sin_turns()
     }
 
-    /// Bell `exp(−x²)` of any `x`. A format whose square may not fit overrides it.
-    #[inline(always)]
-    fn bell(self) -> Self {
-        (self * self).exp_minus()
-    }
+    /// `β / (exp(s/2) + β)` of any `s ≥ 0` and β above −1: what a Stribeck curve 1 + β exp(−s/2) has
+    /// beyond one, as a share of itself. Absolute error of the exponential's inverse below 4e-5
+    /// (f32) and 1e-10 (f64).
+    fn excess(self, beta: Self) -> Self;
 
     /// Hyperbolic tangent; absolute error that of [`Scalar::exp_minus`].
     #[inline]
@@ -115,6 +121,7 @@ impl Scalar for f32 {
     const ZERO: f32 = 0.0;
     const ONE: f32 = 1.0;
     const HALF: f32 = 0.5;
+    const SIXTH: f32 = 1.0 / 6.0;
 
     fn gain(value: f64) -> f32 {
         value as f32
@@ -152,6 +159,23 @@ impl Scalar for f32 {
         }
         root
     }
+    /// The exponential is the eighth power of a cubic: it needs no end of its range, since its
+    /// inverse goes to zero with it.
+    #[inline(always)]
+    fn excess(self, beta: f32) -> f32 {
+        let root = horner!(self, f32, 4.994_4e-5, 1.921_528e-3, 0.062_524_85, 1.0);
+        let square = root * root;
+        let fourth = square * square;
+        beta / (fourth * fourth + beta)
+    }
+    #[inline(always)]
+    fn from_turn_counts(counts: i32) -> f32 {
+        counts as f32 * (1.0 / 4_294_967_296.0)
+    }
+    #[inline(always)]
+    fn from_small(value: u8) -> f32 {
+        f32::from(value)
+    }
     #[inline(always)]
     fn sin_turns(self) -> f32 {
         sine!(self, f32, 56.144_802, 71.193_33, 50.269_58, 12.566_344)
@@ -179,6 +203,7 @@ impl Scalar for f64 {
     const ZERO: f64 = 0.0;
     const ONE: f64 = 1.0;
     const HALF: f64 = 0.5;
+    const SIXTH: f64 = 1.0 / 6.0;
 
     fn gain(value: f64) -> f64 {
         value
@@ -223,6 +248,19 @@ impl Scalar for f64 {
             0.999_999_999_971_375_5
         );
         mantissa * f64::from_bits(((1023 - whole) as u64) << 52)
+    }
+    #[inline(always)]
+    fn excess(self, beta: f64) -> f64 {
+        let excess = beta * (0.5 * self).exp_minus();
+        excess / (1.0 + excess)
+    }
+    #[inline(always)]
+    fn from_turn_counts(counts: i32) -> f64 {
+        f64::from(counts) * (1.0 / 4_294_967_296.0)
+    }
+    #[inline(always)]
+    fn from_small(value: u8) -> f64 {
+        f64::from(value)
     }
     #[inline(always)]
     fn sin_turns(self) -> f64 {
@@ -270,9 +308,22 @@ mod tests {
             let exact = (-f64::from(narrow)).exp();
             assert!((f64::from(narrow.exp_minus()) - exact).abs() < 5e-6, "f32 at {x}");
         }
-        for x in [f32::MAX, f32::INFINITY, f32::MIN] {
-            assert!((0.0..5e-6).contains(&x.bell()));
-            assert!((0.0..1e-10).contains(&f64::from(x).bell()));
+    }
+
+    #[test]
+    fn the_excess_of_a_stribeck_curve_keeps_its_stated_error_and_ends_at_zero() {
+        for beta in [-0.9, -0.3, 0.4, 2.0] {
+            for s in sweep(0.0, 160.0).chain(sweep(0.0, 4.0)) {
+                let exact = beta / ((0.5 * s).exp() + beta);
+                // The error 4e-5 of exp(−s/2) grows by β/(1 + β exp(−s/2))².
+                let bound = 4e-5 * beta.abs() / (1.0 + beta.min(0.0)).powi(2) + 1e-6;
+                let narrow = f64::from((s as f32).excess(beta as f32));
+                assert!((narrow - exact).abs() < bound, "f32 at {s}, {beta}: {narrow} {exact}");
+                assert!((s.excess(beta) - exact).abs() < 1e-8, "f64 at {s}, {beta}");
+            }
+            assert_eq!(1e9_f32.excess(beta as f32), 0.0);
+            assert_eq!(f32::MAX.excess(beta as f32), 0.0);
+            assert!(1e9_f64.excess(beta).abs() < 1e-20);
         }
     }
 

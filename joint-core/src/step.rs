@@ -42,13 +42,25 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
         self.kick::<0>(state, input, state.angle);
         let first = state.rotor.speed;
+        let mut firsts = [S::ZERO; N];
+        for (first, stage) in firsts.iter_mut().zip(&state.stages) {
+            *first = stage.mass.speed;
+        }
         let ahead = state.angle.ahead(first.times(self.half_turn));
         self.half_drift(state, state.angle, ahead);
         let gradient = self.forces(state, ahead);
         self.correct(state, input, &gradient);
-        self.damp(state, &gradient);
+        if self.damped {
+            self.damp(state, &gradient);
+        }
         self.kick::<1>(state, input, ahead);
-        self.damp_back(state, &gradient);
+        if self.damped {
+            self.damp_back(state, &gradient);
+        }
+        self.rotor.straighten(&mut state.rotor, first);
+        for ((stage, own), first) in state.stages.iter_mut().zip(&self.stages).zip(firsts) {
+            own.friction.straighten(&mut stage.mass, first);
+        }
         let turned = (first + state.rotor.speed).times(self.half_turn);
         self.half_drift(state, ahead, state.angle.ahead(turned));
         state.angle.advance(turned);
@@ -58,12 +70,19 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// Computes what the state caches: after a speed, an angle, a deflection or a bristle was set
     /// from outside.
+    #[inline(never)]
     pub fn refresh(&self, state: &mut State<S, N>) {
         let (rotor, stages) = self.levels(state, state.angle);
         self.rotor.settle(&mut state.rotor, rotor);
         for ((stage, own), level) in state.stages.iter_mut().zip(&self.stages).zip(stages) {
             own.friction.settle(&mut stage.mass, level);
         }
+        self.forces(state, state.angle);
+    }
+
+    /// The forces alone, after small corrections: how far a bristle has given way is kept.
+    #[inline]
+    pub(crate) fn reload(&self, state: &mut State<S, N>) {
         self.forces(state, state.angle);
     }
 
@@ -195,7 +214,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         };
         let rotor = &mut state.rotor;
         let memory = &state.memory;
-        rotor.force = -self.rotor.torque(&rotor.bristle);
         rotor.damping = self.damping(&self.rotor, 0, rotor, memory);
         gradient.rotor = self.rotor.slope(&rotor.bristle);
         if self.effects.has_torque(0) {
@@ -208,7 +226,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut wound = S::ZERO;
         let mut number = 0;
         let mut input = angle;
-        let mut speed = rotor.speed;
         let mut before = &mut rotor.force;
         let slopes = gradient.springs.iter_mut().zip(&mut gradient.contact);
         let rows = slopes.zip(&mut gradient.masses);
@@ -221,23 +238,20 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *slope = own.spring.slope(felt.deflection) * felt.contact;
             if self.effects.has_stages() {
                 let beside = self.effects.stage_torque(stage_number, felt.deflection, memory);
-                // What the damper feels of an argument that moves by itself.
-                let moving = own.spring.damping_torque((felt.leverage - S::ONE) * speed);
-                torque = torque + beside.value + moving * felt.contact;
+                torque = torque + beside.value;
                 *slope = *slope + beside.slope;
             }
             *contact = felt.contact;
             *before = *before - torque * felt.leverage;
             let mass = &mut stage.mass;
-            speed = mass.speed;
-            mass.force = torque - own.friction.torque(&mass.bristle);
+            mass.force = mass.force + torque;
             mass.damping = self.damping(&own.friction, number, mass, memory);
             *mass_slope = own.friction.slope(&mass.bristle);
             wound = wound + stage.deflection;
             if self.effects.has_torque(number) || self.effects.has_stages() {
                 let motor = angle.ahead(-wound.times(self.turns));
                 input = own.own_angle(motor);
-                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed };
+                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed: mass.speed };
                 let torque = self.effects.torque(number, at, memory);
                 mass.force = mass.force + torque.value;
                 *mass_slope = *mass_slope - torque.slope;

@@ -5,6 +5,8 @@
 //! means that nothing was looked at.
 
 pub mod data;
+pub mod drive;
+pub mod elf;
 pub mod qemu;
 
 use std::io::Write;

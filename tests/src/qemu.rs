@@ -12,9 +12,12 @@ use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use firmware::block::PAGE_ADDRESS;
+
 const QEMU: &str = "qemu-system-arm";
-const TARGET: &str = "thumbv7em-none-eabihf";
-const PROGRAMS: [&str; 2] = ["replay", "count"];
+/// What the firmware is built for.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+const PROGRAMS: [&str; 3] = ["replay", "count", "hil"];
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// An emulated board.
@@ -38,6 +41,14 @@ impl Board {
             Board::NetduinoPlus2 => "netduinoplus2",
             Board::Mps2An386 => "mps2-an386",
             Board::Mps2An500 => "mps2-an500",
+        }
+    }
+
+    /// Where the page of the parameters lies, by `memory.x`.
+    pub fn page_address(self) -> u32 {
+        match self {
+            Board::NetduinoPlus2 => PAGE_ADDRESS,
+            Board::Mps2An386 | Board::Mps2An500 => PAGE_ADDRESS - 0x0800_0000,
         }
     }
 }
@@ -79,6 +90,18 @@ pub fn available(test: &str) -> bool {
     found
 }
 
+/// Whether the C cross compiler is there; otherwise `test` is to be skipped.
+///
+/// # Panics
+/// It is not there and `CI` is set.
+pub fn c_compiler(test: &str) -> bool {
+    let found = Command::new("arm-none-eabi-gcc").arg("--version").output().is_ok();
+    if !found {
+        crate::skip(test, "arm-none-eabi-gcc is not installed");
+    }
+    found
+}
+
 /// The ELF file of a firmware program for a board; built once in a test process.
 ///
 /// # Panics
@@ -95,12 +118,21 @@ pub fn firmware(program: &str, board: Board) -> PathBuf {
     folder.join(program)
 }
 
+/// The workspace's root.
+pub fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Where the firmware is built.
+pub fn target_folder() -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => workspace().join(folder).join("qemu"),
+        None => workspace().join("target/qemu"),
+    }
+}
+
 fn build(map: &str, features: &[&str]) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let target = match std::env::var_os("CARGO_TARGET_DIR") {
-        Some(folder) => root.join(folder).join("qemu"),
-        None => root.join("target/qemu"),
-    };
+    let (root, target) = (workspace(), target_folder());
     let folder = target.join("boards").join(map);
     fs::create_dir_all(&folder).unwrap();
     let lock = File::create(target.join("boards/lock")).unwrap();
@@ -129,17 +161,38 @@ fn build(map: &str, features: &[&str]) -> PathBuf {
 /// # Panics
 /// The emulator does not start, or the program does not end in two minutes.
 pub fn run(program: &str, board: Board, folder: &Path, arguments: &[&str]) -> Run {
+    run_elf(&firmware(program, board), board, folder, arguments, None)
+}
+
+/// Runs any program for a board, with the flash page of the parameters filled from a file.
+///
+/// # Panics
+/// As [`run`].
+pub fn run_elf(
+    elf: &Path,
+    board: Board,
+    folder: &Path,
+    arguments: &[&str],
+    page: Option<&Path>,
+) -> Run {
+    let program = elf.file_name().unwrap_or_default().to_string_lossy();
     let mut semihosting = format!("enable=on,target=native,arg={program}");
     for argument in arguments {
         semihosting.push_str(",arg=");
         semihosting.push_str(argument);
     }
-    let mut child = Command::new(QEMU)
+    let mut command = Command::new(QEMU);
+    if let Some(page) = page {
+        let address = board.page_address();
+        let page = page.display();
+        command.args(["-device", &format!("loader,file={page},addr={address:#x},force-raw=on")]);
+    }
+    let mut child = command
         .current_dir(folder)
         .args(["-M", board.machine(), "-display", "none", "-monitor", "none", "-serial", "null"])
         .args(["-icount", "shift=0,sleep=off", "-semihosting-config", &semihosting])
         .arg("-kernel")
-        .arg(firmware(program, board))
+        .arg(elf)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -8,6 +8,7 @@
 mod bound;
 mod page;
 mod quantity;
+mod random;
 mod speed;
 mod table;
 #[cfg(test)]
@@ -15,6 +16,7 @@ mod tests;
 
 pub use bound::{BETWEEN_REFERENCES, bound};
 pub use quantity::Quantity;
+pub use random::{Plant, Random};
 pub use speed::Speed;
 
 use rayon::prelude::*;
@@ -32,8 +34,15 @@ pub const REFERENCE_STEP_S: f64 = 25e-9;
 pub const STIFF_TOLERANCE: f64 = 1e-9;
 
 /// Steps of the embedded method, µs, and the micro-steps forced on it; `None` takes the rule's.
-const RUNS: [(f64, Option<u32>); 6] =
-    [(10.0, None), (25.0, None), (50.0, None), (50.0, Some(1)), (50.0, Some(2)), (100.0, None)];
+const RUNS: [(f64, Option<u32>); 7] = [
+    (10.0, None),
+    (25.0, None),
+    (50.0, None),
+    (50.0, Some(1)),
+    (50.0, Some(2)),
+    (100.0, None),
+    (100.0, Some(2)),
+];
 
 /// One state of one run beside the reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -59,7 +59,7 @@ impl Remainder {
             ..Self::default()
         };
         let nulls = (0..3)
-            .map(|seed| null_innovations(&fit.model, problem.record, &fit.noise, 100 + seed))
+            .map(|seed| null_innovations(&fit.model, problem, &fit.noise, 100 + seed))
             .collect::<Result<Vec<_>, _>>()?;
         for channel in Channel::ALL {
             let c = channel as usize;

@@ -9,8 +9,9 @@ pub mod gate;
 pub mod hypothesis;
 pub mod lines;
 pub mod next_experiment;
+pub mod protected;
 pub mod score_test;
 pub mod search;
 pub mod whereabouts;
 
-pub use answer::{DiscoverError, STEPS, discover};
+pub use answer::{DiscoverError, STEPS, discover, discover_without};

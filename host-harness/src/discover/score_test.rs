@@ -60,9 +60,7 @@ impl<'a> ScoreTest<'a> {
         let curvature = curvature.cholesky()?;
         let nulls: Vec<_> = (0..twins)
             .into_par_iter()
-            .filter_map(|seed| {
-                null_innovations(&base.model, problem.record, &base.noise, seed).ok()
-            })
+            .filter_map(|seed| null_innovations(&base.model, &problem, &base.noise, seed).ok())
             .collect();
         let plant = plant(&base.model, &problem.record.grid, problem.record.drive).ok()?;
         let observer = Observer::new(&base.model, &*plant, problem.record);

@@ -7,18 +7,20 @@
 
 use indicatif::ProgressBar;
 use joint_core::effect::Kind;
+use joint_core::joint::Drive;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
 use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
+use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::noise;
 use crate::estimate::parameters::Quantity;
-use crate::estimate::refit::{self, SPRING_TRIAL, cost};
+use crate::estimate::refit::{self, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -78,6 +80,8 @@ pub struct Search {
     pub scores: Vec<ScoreRow>,
     /// Orders of the rotor angle that explain something on the refitted nominal, strongest first.
     pub orders: Vec<f64>,
+    /// Kinds that are not on the list.
+    pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
 }
@@ -89,6 +93,7 @@ pub struct Search {
 pub fn search(
     problem: Problem<'_>,
     nominal: &Model,
+    withdrawn: &[Kind],
     bar: &ProgressBar,
 ) -> Result<Search, BuildError> {
     bar.set_message("refitting the nominal");
@@ -101,16 +106,17 @@ pub fn search(
         rounds: Vec::new(),
         scores: Vec::new(),
         orders: Vec::new(),
+        withdrawn: withdrawn.to_vec(),
         expected,
     };
     for round in 1..=MOST_EFFECTS {
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
-        if add_one(problem, &mut search, round)? {
+        let lost = is_lost(&search);
+        if lost && add_protected(problem, &mut search, round)? {
             continue;
         }
-        let felt = search.after.fit.noise.torque / search.expected.torque;
-        if !(round == 1 && felt > LOST && from_afar(problem, nominal, &mut search)?) {
+        if !add_one(problem, &mut search, round)? {
             break;
         }
     }
@@ -129,6 +135,12 @@ pub fn search(
     Ok(search)
 }
 
+/// Whether what is missing has bent the fit so far that its linear steps cannot be believed.
+fn is_lost(search: &Search) -> bool {
+    let (noise, expected) = (&search.after.fit.noise, &search.expected);
+    noise.torque > LOST * expected.torque || noise.drive > LOST * expected.drive
+}
+
 fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
     let base = search.after.clone();
     let Some(test) = ScoreTest::new(problem, &base.origin, &base.fit, TWINS) else {
@@ -136,7 +148,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     };
     let scene = Scene::new(&base.fit.model, problem.record, &test);
     let hypotheses: Vec<Hypothesis> =
-        candidates::ALL.iter().flat_map(|candidate| candidate(&scene)).collect();
+        candidates::proposed(&scene, &search.withdrawn);
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let listed = candidates::listed(&scene);
     let lines: Vec<(f64, Gain)> =
@@ -209,82 +221,6 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     Ok(true)
 }
 
-/// Tries hypotheses of finite size from the nominal itself, with a filter that trusts the model
-/// little: a gap can bend a refit so far that its own score is lost.
-fn from_afar(
-    problem: Problem<'_>,
-    nominal: &Model,
-    search: &mut Search,
-) -> Result<bool, BuildError> {
-    let base = search.after.clone();
-    let Some(test) = ScoreTest::new(problem, &base.origin, &base.fit, 0) else { return Ok(false) };
-    let scene = Scene::new(nominal, problem.record, &test);
-    let hypotheses: Vec<Hypothesis> = candidates::ALL
-        .iter()
-        .flat_map(|candidate| candidate(&scene))
-        .filter(|hypothesis| !hypothesis.starts_at_nothing())
-        .collect();
-    let wide = Noise {
-        drive: 3.0 * search.expected.drive,
-        torque: LOST * search.expected.torque,
-        ..search.expected
-    };
-    let mut starts: Vec<(f64, &Hypothesis, Model)> = hypotheses
-        .par_iter()
-        .flat_map_iter(|hypothesis| {
-            let spring = match hypothesis.start.location {
-                Location::Stage(k) => Some(Quantity::Stiffness(usize::from(k) - 1)),
-                _ => None,
-            };
-            [-SPRING_TRIAL, 0.0, SPRING_TRIAL].map(|trial| {
-                let mut start = hypothesis.added(nominal);
-                if let Some(spring) = spring {
-                    spring.shift(&mut start, trial);
-                }
-                (hypothesis, start)
-            })
-        })
-        .filter_map(|(hypothesis, start)| {
-            let (_, _, deviance) = problem.design(&start, &wide).ok()?;
-            Some((deviance, hypothesis, start))
-        })
-        .collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Option<((Kind, Location), Stage)> = None;
-    let mut tried = Vec::new();
-    for (_, hypothesis, start) in &starts {
-        if tried.contains(&hypothesis.name()) || tried.len() > FULL {
-            continue;
-        }
-        tried.push(hypothesis.name());
-        let mut origin = nominal.clone();
-        origin.effects.push(hypothesis.start);
-        let mut coordinates = base.fit.coordinates.clone();
-        coordinates.extend(hypothesis.coordinates(nominal.effects.len()));
-        let fit = problem.fit(&origin, start, &coordinates, &wide, 6)?;
-        let expected = &search.expected;
-        let fit = refit::polish(&problem, &origin, &fit.model, &coordinates, expected, &fit.noise)?;
-        if best.as_ref().is_none_or(|(_, stage)| cost(&fit) < cost(&stage.fit)) {
-            best = Some((hypothesis.name(), Stage { fit, origin }));
-        }
-    }
-    let Some((name, stage)) = best else { return Ok(false) };
-    let gain = cost(&base.fit) - cost(&stage.fit);
-    let found = stage.fit.noise.torque < LOST * search.expected.torque;
-    if gain.is_nan() || gain < LEAST_GAIN || !found {
-        return Ok(false);
-    }
-    search.scores.push(ScoreRow {
-        round: 1,
-        name: format!("{}, from afar", title(name)),
-        score: 0.0,
-        refitted: Some(gain),
-    });
-    search.rounds.push(Round { name, gain, rivals: Vec::new() });
-    search.after = stage;
-    Ok(true)
-}
-
 /// The orders that are worth telling, strongest first.
 fn told(lines: &[(f64, Gain)], gains: &[Gain], by_chance: f64) -> Vec<f64> {
     let strongest = lines.iter().map(|(_, gain)| gain.real).fold(0.0, f64::max);
@@ -301,7 +237,7 @@ fn told(lines: &[(f64, Gain)], gains: &[Gain], by_chance: f64) -> Vec<f64> {
 }
 
 /// What nothing reaches by chance: six sigma above the mean of the twins' best.
-fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
+pub fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
     let mut best = Vec::new();
     for gain in gains {
         best.resize(best.len().max(gain.null.len()), 0.0_f64);
@@ -326,8 +262,7 @@ fn drop_needless(problem: Problem<'_>, search: &mut Search) -> Result<(), BuildE
         let place = added + k;
         let mut origin = search.after.origin.clone();
         origin.effects.remove(place);
-        let mut start = search.after.fit.model.clone();
-        start.effects.remove(place);
+        let start = without(&search.after.fit.model, place);
         let coordinates: Vec<_> =
             search.after.fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
         let noise = search.after.fit.noise;
@@ -340,6 +275,26 @@ fn drop_needless(problem: Problem<'_>, search: &mut Search) -> Result<(), BuildE
         }
     }
     Ok(())
+}
+
+/// A model without one of its effects, as near as parameters can bring it.
+fn without(model: &Model, place: usize) -> Model {
+    let mut left = model.clone();
+    let gone = left.effects.remove(place);
+    if gone.kind == Kind::CurrentGain {
+        // A gain is a symmetry: the same currents are shown by a smaller winding and larger torques.
+        let shift = (1.0 + gone.values[0]).ln();
+        for quantity in Quantity::of(&left, Drive::Voltage) {
+            match quantity {
+                Quantity::Resistance | Quantity::Inductance => quantity.shift(&mut left, -shift),
+                Quantity::TorqueConstant
+                | Quantity::StribeckVelocity(_)
+                | Quantity::GravityPhase => {}
+                _ => quantity.shift(&mut left, shift),
+            }
+        }
+    }
+    left
 }
 
 /// A name as it is shown.

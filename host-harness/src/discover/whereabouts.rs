@@ -108,7 +108,7 @@ fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
 
 /// The equation whose push makes the log most likely, and the model refitted beside that push: the
 /// plain refit has bent its parameters to explain what the equation misses.
-fn disagreeing(
+pub fn disagreeing(
     problem: &Problem<'_>,
     before: &Stage,
     noise: &Noise,

@@ -3,7 +3,7 @@
 //! One pass backward through the filter gives it for every sample at once, so that any shape a
 //! missing effect may have along the record is tried at the cost of a sum over samples.
 
-use super::filter::{Gains, Linearisation, Observer};
+use super::filter::{Equation, Gains, Linearisation, Observer};
 use super::record::{CHANNELS, Channel};
 
 /// By sample: how a push on an equation, held over the interval after the sample, would change the
@@ -47,6 +47,13 @@ impl Observer<'_> {
                     for (now, slope) in now.iter_mut().zip(from) {
                         *now += slope * later;
                     }
+                }
+                for (j, walk) in gains.walks.iter().enumerate() {
+                    now[n + j] += match walk.equation {
+                        Equation::Voltage => pull.drive[k],
+                        Equation::Torque(mass) => pull.torque[mass][k],
+                        Equation::Sensor(_) => 0.0,
+                    };
                 }
                 later.copy_from_slice(&now);
             }

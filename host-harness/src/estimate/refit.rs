@@ -17,6 +17,13 @@ pub const SPRING_TRIAL: f64 = 0.2;
 /// How much less the model is trusted while the springs are tried.
 const DISTRUST: f64 = 3.0;
 
+/// Most rounds of converging.
+const ATTEMPTS: usize = 4;
+/// What another round must gain of minus twice the log-likelihood to be followed by one more.
+const WORTHWHILE: f64 = 10.0;
+/// Times the expected noise from which on a fit is doubted.
+const DOUBTFUL: f64 = 2.0;
+
 /// Refits every parameter of a model to a record; `origin` centres the priors.
 ///
 /// # Errors
@@ -79,6 +86,41 @@ pub fn polish(
     let fit = problem.fit(origin, start, coordinates, &first, 6)?;
     let second = noise::refine(problem, &fit.model, expected, &first)?;
     problem.fit(origin, &fit.model, coordinates, &second, 4)
+}
+
+/// Refits on until nothing is gained any more: polishing again as long as that helps, and from
+/// other springs where the noise is still beyond belief.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn converge(
+    problem: &Problem<'_>,
+    origin: &Model,
+    start: Fit,
+    expected: &Noise,
+) -> Result<Fit, BuildError> {
+    let mut best = start;
+    for attempt in 0..ATTEMPTS {
+        let again = polish(problem, origin, &best.model, &best.coordinates, expected, &best.noise)?;
+        let gained = cost(&best) - cost(&again);
+        if gained > 0.0 {
+            best = again;
+        }
+        if gained > WORTHWHILE {
+            continue;
+        }
+        let doubtful = best.noise.torque > DOUBTFUL * expected.torque
+            || best.noise.drive > DOUBTFUL * expected.drive;
+        if attempt + 1 == ATTEMPTS || !doubtful || origin.stages.is_empty() {
+            break;
+        }
+        let moved = resettle(problem, origin, &best.model, &best.coordinates)?;
+        if cost(&best) - cost(&moved) <= WORTHWHILE {
+            break;
+        }
+        best = moved;
+    }
+    Ok(best)
 }
 
 /// Deviance and prior together: what fits are compared by.

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::filter::{Noise, Observer};
-use super::fit::standing_walks;
+use super::fit::Problem;
 use super::late::Late;
 use super::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
@@ -64,12 +64,12 @@ pub fn twin(
 /// The model cannot be built.
 pub fn null_innovations(
     model: &Model,
-    record: &Record,
+    problem: &Problem<'_>,
     noise: &Noise,
     seed: u64,
 ) -> Result<Vec<[f64; CHANNELS]>, BuildError> {
-    let twin = twin(model, record, noise, seed)?;
+    let twin = twin(model, problem.record, noise, seed)?;
     let plant = plant(model, &twin.grid, twin.drive)?;
     let observer = Observer::new(model, &*plant, &twin);
-    Ok(observer.design(noise, &standing_walks(&twin)).1.innovations)
+    Ok(observer.design(noise, &problem.walks()).1.innovations)
 }

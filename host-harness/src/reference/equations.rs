@@ -193,9 +193,9 @@ impl Equations {
                 };
                 let x = felt.deflection;
                 let elastic = x * (spring.linear + spring.cubic * x * x) + beside;
-                let moving = speed * felt.leverage - speeds[k + 1];
-                driving = elastic + felt.contact * spring.damping * moving;
-                force -= driving * felt.leverage;
+                let damping = felt.contact * spring.damping * deflection_rate[k];
+                driving = elastic + damping;
+                force -= elastic * felt.leverage + damping;
                 transmitted = driving;
                 at.passed_on = driving;
             } else {

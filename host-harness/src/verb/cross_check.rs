@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::{Common, Failure, Outcome};
-use crate::cross_check::{self, CrossCheckError, Speed};
+use crate::cross_check::{self, CrossCheckError, Random, Speed};
 use crate::output::OutDir;
 use crate::scenario;
 
@@ -14,11 +14,18 @@ use crate::scenario;
 /// Writes `cross-check.json` and plots where --out is given; exit 1 where a stated bound is broken.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
-  joint cross-check --out check")]
+  joint cross-check --out check
+  joint cross-check --random 500")]
 pub struct Args {
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Run this many random plants instead of the scenarios
+    #[arg(long, value_name = "N")]
+    pub random: Option<u64>,
+    /// Seed of the first random plant
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "random")]
+    pub seed: u64,
 }
 
 /// Runs the verb.
@@ -28,6 +35,18 @@ pub struct Args {
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let out = args.out.as_deref().map(|path| OutDir::new(path, common.force)).transpose()?;
     let failed = |error: CrossCheckError| Failure::check(error.to_string());
+    if let Some(number) = args.random {
+        let bar = common.progress(number, "plants");
+        let random = Random::run(number.max(1), args.seed, || bar.inc(1)).map_err(failed)?;
+        bar.finish_and_clear();
+        if let Some(out) = out {
+            let text = serde_json::to_string_pretty(&random)
+                .map_err(|error| Failure::check(error.to_string()))?;
+            out.write("random.json", text)?;
+        }
+        let text = random.to_string();
+        return Ok(Outcome::done(json!(random), text));
+    }
     let model = scenario::paper();
     let bar = common.progress(scenario::ALL.len() as u64, "scenarios");
     let mut check = cross_check::run(&model, &scenario::ALL, || bar.inc(1)).map_err(failed)?;

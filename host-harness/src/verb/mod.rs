@@ -4,11 +4,16 @@
 //! wrong; it prints nothing on standard output itself, so that `--json` yields one object whatever
 //! the verb.
 
+pub mod capture;
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
+pub mod drive;
+pub mod export;
 pub mod identify;
 mod load;
+pub mod monitor;
+pub mod observe;
 pub mod reproduce;
 pub mod score;
 pub mod simulate;
@@ -93,5 +98,13 @@ impl Failure {
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
         Self::input(error.to_string())
+    }
+}
+
+/// A number above zero, on the command line.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a number above zero".to_owned()),
     }
 }

@@ -46,7 +46,7 @@ pub struct Args {
     pub scalar: Scalar,
     /// Longest step, microseconds; where left out, one step a sample (embedded) or as the
     /// tolerance asks (reference)
-    #[arg(long, value_name = "N", value_parser = positive)]
+    #[arg(long, value_name = "N", value_parser = super::positive)]
     pub step_us: Option<f64>,
 }
 
@@ -67,13 +67,6 @@ pub enum Scalar {
     F64,
     /// Single precision, bit for bit as on the drive
     F32,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("must be a number above zero".to_owned()),
-    }
 }
 
 /// Runs the verb.

@@ -175,6 +175,8 @@ impl<S: Scalar> EffectSet<S> {
     }
 }
 
+// What is asked only where its `has_` says so is a function of its own: every number of stages calls
+// the same one, and a flash of 128 KiB holds all laws once instead of a dozen times.
 impl<S: Scalar> Effects<S> for EffectSet<S> {
     #[inline(always)]
     fn has_torque(&self, mass: usize) -> bool {
@@ -216,14 +218,14 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
         self.uses.memory
     }
 
-    #[inline]
+    #[inline(never)]
     fn voltage_drop(&self, at: Winding<S>, memory: &Memory<S>) -> S {
         self.effects
             .iter()
             .fold(S::ZERO, |sum, effect| sum + law!(effect, law => law.voltage_drop(at, memory)))
     }
 
-    #[inline]
+    #[inline(never)]
     fn constants(&self, angle: Angle<S>, current: S) -> Constants<S> {
         let none = Constants { torque: S::ZERO, back_emf: S::ZERO };
         self.effects.iter().fold(none, |sum, effect| {
@@ -244,21 +246,21 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
         effects.fold(current, |current, effect| law!(effect, law => law.measured_current(current)))
     }
 
-    #[inline]
+    #[inline(never)]
     fn encoder_error(&self, output: bool, angle: Angle<S>, speed: S) -> S {
         self.effects.iter().fold(S::ZERO, |sum, effect| {
             sum + law!(effect, law => law.encoder_error(output, angle, speed))
         })
     }
 
-    #[inline]
+    #[inline(never)]
     fn torque(&self, mass: usize, at: Motion<S>, memory: &Memory<S>) -> Torque<S> {
         self.effects.iter().fold(Torque::NONE, |sum, effect| {
             sum.plus(law!(effect, law => law.torque(mass, at, memory)))
         })
     }
 
-    #[inline]
+    #[inline(never)]
     fn stage(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
         let start = Felt { deflection, contact: S::ONE, leverage: S::ONE };
         self.effects.iter().fold(start, |felt, effect| {
@@ -271,35 +273,35 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
         })
     }
 
-    #[inline]
+    #[inline(never)]
     fn stage_torque(&self, stage: usize, felt: S, memory: &Memory<S>) -> Torque<S> {
         self.effects.iter().fold(Torque::NONE, |sum, effect| {
             sum.plus(law!(effect, law => law.stage_torque(stage, felt, memory)))
         })
     }
 
-    #[inline]
+    #[inline(never)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
         self.effects
             .iter()
             .fold(S::ONE, |level, effect| level * law!(effect, law => law.inverse_level(mass, at)))
     }
 
-    #[inline]
+    #[inline(never)]
     fn viscous(&self, mass: usize, speed: S, memory: &Memory<S>) -> S {
         self.effects.iter().fold(S::ONE, |factor, effect| {
             factor * law!(effect, law => law.viscous(mass, speed, memory))
         })
     }
 
-    #[inline]
+    #[inline(never)]
     fn drag(&self, mass: usize, speed: S) -> S {
         self.effects
             .iter()
             .fold(S::ZERO, |sum, effect| sum + law!(effect, law => law.drag(mass, speed)))
     }
 
-    #[inline]
+    #[inline(never)]
     fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
         for effect in &self.effects {
             law!(effect, law => law.relax(flow, each));

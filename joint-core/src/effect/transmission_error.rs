@@ -1,8 +1,8 @@
 //! Transmission error: teeth that are not where they should be.
 //!
 //! The spring of a stage feels `η q_in − q_out + a sin(n q_in + φ)`, and the input side feels the
-//! stage's torque times the derivative of that, so that the error does no work of its own. Source:
-//! Munro, "A review of the theory and measurement of gear transmission error" (1990).
+//! spring's torque times the derivative of that, so that the error does no work of its own; the
+//! damper sees the turning of the shafts alone. Source: Munro, "A review of the theory and measurement of gear transmission error" (1990).
 
 use super::hooks::{Effects, Felt};
 use super::{ParameterSpec, Spec};

@@ -1,0 +1,209 @@
+/* The joint's observer for firmware in C. Written by cbindgen from firmware/capi/src/lib.rs; a test
+   compares the two. Link libjoint.a, built by
+     cargo build --release -p joint-capi --target thumbv7em-none-eabihf
+   It allocates nothing, cannot panic, and keeps all its state in the joint_t that it is given. */
+
+#ifndef JOINT_H
+#define JOINT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * Eight-byte words of a joint.
+ */
+#define JOINT_WORDS 320
+
+/**
+ * Most gear stages.
+ */
+#define JOINT_STAGES 3
+
+/**
+ * All went well.
+ */
+#define JOINT_OK 0
+
+/**
+ * A pointer is null or not aligned.
+ */
+#define JOINT_POINTER -1
+
+/**
+ * The joint was not initialised.
+ */
+#define JOINT_NOT_INITIALISED -2
+
+/**
+ * There is no parameter block: the memory is erased.
+ */
+#define JOINT_BLOCK_EMPTY 1
+
+/**
+ * This is no parameter block.
+ */
+#define JOINT_BLOCK_MAGIC 2
+
+/**
+ * The block is of a version that this library does not know.
+ */
+#define JOINT_BLOCK_VERSION 3
+
+/**
+ * The block is shorter or longer than it says.
+ */
+#define JOINT_BLOCK_LENGTH 4
+
+/**
+ * The block's checksum is wrong.
+ */
+#define JOINT_BLOCK_CRC 5
+
+/**
+ * The block's joint has too many stages.
+ */
+#define JOINT_BLOCK_STAGES 6
+
+/**
+ * The block's payload cannot be read.
+ */
+#define JOINT_BLOCK_PAYLOAD 7
+
+/**
+ * The block holds a value that the equations cannot take.
+ */
+#define JOINT_BLOCK_INADMISSIBLE 8
+
+/**
+ * A joint: memory for the library, not to be looked into. It may be moved between calls.
+ */
+typedef struct {
+  uint64_t memory[JOINT_WORDS];
+} joint_t;
+
+/**
+ * What the drive measured in one control period.
+ */
+typedef struct {
+  /**
+   * DC-equivalent voltage on the two conducting phases, V, held until the next sample.
+   */
+  float voltage_v;
+  /**
+   * Motor current, A.
+   */
+  float current_a;
+  /**
+   * Counts of the motor encoder since the start, over all turns.
+   */
+  int32_t motor_counts;
+  /**
+   * Counts of the output encoder since the start; zero where there is none.
+   */
+  int32_t output_counts;
+  /**
+   * Control periods that were missed before this one.
+   */
+  uint32_t missed;
+} joint_sample_t;
+
+/**
+ * What is estimated, and one standard deviation of each.
+ */
+typedef struct {
+  /**
+   * Control periods since the start.
+   */
+  uint32_t tick;
+  /**
+   * What is wrong or special: zero where all is well; docs/firmware.md has the bits.
+   */
+  uint32_t status;
+  /**
+   * Rotor speed, rad/s.
+   */
+  float motor_velocity_rad_per_s;
+  /**
+   * Friction of all masses, felt at the motor, Nm, positive against positive motion.
+   */
+  float total_friction_at_motor_nm;
+  /**
+   * Angle behind the last stage, rad.
+   */
+  float output_angle_rad;
+  /**
+   * Speed behind the last stage, rad/s.
+   */
+  float output_velocity_rad_per_s;
+  /**
+   * Load torque at the output, Nm, positive against positive motion.
+   */
+  float load_torque_nm;
+  /**
+   * Deflection of each stage's spring at its output, rad; zero where there is no such stage.
+   */
+  float windup_rad[JOINT_STAGES];
+  /**
+   * Standard deviation of the rotor speed.
+   */
+  float motor_velocity_std;
+  /**
+   * Standard deviation of the friction.
+   */
+  float total_friction_std;
+  /**
+   * Standard deviation of the output angle.
+   */
+  float output_angle_std;
+  /**
+   * Standard deviation of the output speed.
+   */
+  float output_velocity_std;
+  /**
+   * Standard deviation of the load torque.
+   */
+  float load_torque_std;
+  /**
+   * Standard deviation of each deflection.
+   */
+  float windup_std[JOINT_STAGES];
+} joint_estimate_t;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * Prepares a joint from a parameter block, as `joint export --format block` writes it; what follows
+ * the block in memory is not looked at. The joint is at rest. Returns JOINT_OK or why the block is
+ * refused, and then the joint is not initialised.
+ *
+ * # Safety
+ * `joint` is null or points to a `joint_t` of the caller's, and `block` is null or to `length`
+ * readable bytes.
+ */
+int32_t joint_init(joint_t *joint, const uint8_t *block, size_t length);
+
+/**
+ * Advances the joint by one control period. Never blocks, and costs the same whatever the data.
+ * Returns JOINT_OK, or why nothing was done.
+ *
+ * # Safety
+ * `joint` is null or points to a `joint_t` that was given to `joint_init` or is all zeros, and
+ * `sample` is null or points to a sample.
+ */
+int32_t joint_update(joint_t *joint, const joint_sample_t *sample);
+
+/**
+ * Reads what the last update left. Returns JOINT_OK, or why nothing was read.
+ *
+ * # Safety
+ * As `joint_update`; `estimate` is null or points to a place for an estimate.
+ */
+int32_t joint_estimate(const joint_t *joint, joint_estimate_t *estimate);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* JOINT_H */

@@ -1,0 +1,218 @@
+//! The observer for firmware in C.
+//!
+//! Three calls: give it a parameter block, give it every control period's measurement, read what it
+//! estimates. All state stands in memory of the caller's; nothing is allocated, nothing panics (the
+//! library links only where that is so), and every refusal has a number.
+
+#![cfg_attr(target_os = "none", no_std)]
+#![allow(unsafe_code)]
+
+use core::mem::MaybeUninit;
+
+use firmware::any_control::AnyControl;
+use firmware::block::Block;
+use joint_core::telemetry::{Report, Status};
+
+/// Eight-byte words of a joint.
+pub const JOINT_WORDS: usize = 320;
+/// Most gear stages.
+pub const JOINT_STAGES: usize = 3;
+
+/// All went well.
+pub const JOINT_OK: i32 = 0;
+/// A pointer is null or not aligned.
+pub const JOINT_POINTER: i32 = -1;
+/// The joint was not initialised.
+pub const JOINT_NOT_INITIALISED: i32 = -2;
+/// There is no parameter block: the memory is erased.
+pub const JOINT_BLOCK_EMPTY: i32 = 1;
+/// This is no parameter block.
+pub const JOINT_BLOCK_MAGIC: i32 = 2;
+/// The block is of a version that this library does not know.
+pub const JOINT_BLOCK_VERSION: i32 = 3;
+/// The block is shorter or longer than it says.
+pub const JOINT_BLOCK_LENGTH: i32 = 4;
+/// The block's checksum is wrong.
+pub const JOINT_BLOCK_CRC: i32 = 5;
+/// The block's joint has too many stages.
+pub const JOINT_BLOCK_STAGES: i32 = 6;
+/// The block's payload cannot be read.
+pub const JOINT_BLOCK_PAYLOAD: i32 = 7;
+/// The block holds a value that the equations cannot take.
+pub const JOINT_BLOCK_INADMISSIBLE: i32 = 8;
+
+/// A joint: memory for the library, not to be looked into. It may be moved between calls.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Joint {
+    memory: [MaybeUninit<u64>; JOINT_WORDS],
+}
+
+/// What the drive measured in one control period.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sample {
+    /// DC-equivalent voltage on the two conducting phases, V, held until the next sample.
+    pub voltage_v: f32,
+    /// Motor current, A.
+    pub current_a: f32,
+    /// Counts of the motor encoder since the start, over all turns.
+    pub motor_counts: i32,
+    /// Counts of the output encoder since the start; zero where there is none.
+    pub output_counts: i32,
+    /// Control periods that were missed before this one.
+    pub missed: u32,
+}
+
+/// What is estimated, and one standard deviation of each.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Estimate {
+    /// Control periods since the start.
+    pub tick: u32,
+    /// What is wrong or special: zero where all is well; docs/firmware.md has the bits.
+    pub status: u32,
+    /// Rotor speed, rad/s.
+    pub motor_velocity_rad_per_s: f32,
+    /// Friction of all masses, felt at the motor, Nm, positive against positive motion.
+    pub total_friction_at_motor_nm: f32,
+    /// Angle behind the last stage, rad.
+    pub output_angle_rad: f32,
+    /// Speed behind the last stage, rad/s.
+    pub output_velocity_rad_per_s: f32,
+    /// Load torque at the output, Nm, positive against positive motion.
+    pub load_torque_nm: f32,
+    /// Deflection of each stage's spring at its output, rad; zero where there is no such stage.
+    pub windup_rad: [f32; JOINT_STAGES],
+    /// Standard deviation of the rotor speed.
+    pub motor_velocity_std: f32,
+    /// Standard deviation of the friction.
+    pub total_friction_std: f32,
+    /// Standard deviation of the output angle.
+    pub output_angle_std: f32,
+    /// Standard deviation of the output speed.
+    pub output_velocity_std: f32,
+    /// Standard deviation of the load torque.
+    pub load_torque_std: f32,
+    /// Standard deviation of each deflection.
+    pub windup_std: [f32; JOINT_STAGES],
+}
+
+/// What stands in a [`Joint`].
+struct Own {
+    mark: u32,
+    control: AnyControl,
+    report: Report,
+}
+
+/// Tells an initialised joint from other memory.
+const MARK: u32 = 0x4a4f_494e;
+
+const _: () = assert!(size_of::<Own>() <= size_of::<Joint>(), "JOINT_WORDS is too small");
+const _: () = assert!(align_of::<Own>() <= align_of::<Joint>());
+
+/// Prepares a joint from a parameter block, as `joint export --format block` writes it; what follows
+/// the block in memory is not looked at. The joint is at rest. Returns JOINT_OK or why the block is
+/// refused, and then the joint is not initialised.
+///
+/// # Safety
+/// `joint` is null or points to a `joint_t` of the caller's, and `block` is null or to `length`
+/// readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn joint_init(joint: *mut Joint, block: *const u8, length: usize) -> i32 {
+    let own = joint.cast::<Own>();
+    if own.is_null() || !own.is_aligned() || block.is_null() {
+        return JOINT_POINTER;
+    }
+    // SAFETY: the caller's bytes, as stated above.
+    let bytes = unsafe { core::slice::from_raw_parts(block, length) };
+    // SAFETY: the caller's joint_t, which has the room and is aligned; nothing there is dropped, and
+    // what it held before need not be a value.
+    let own = unsafe {
+        own.write(Own { mark: 0, control: AnyControl::NotStarted, report: Report::default() });
+        &mut *own
+    };
+    let read = Block::in_page(bytes).and_then(|block| own.control.read(&block, Status::default()));
+    match read {
+        Ok(()) => {
+            own.mark = MARK;
+            JOINT_OK
+        }
+        Err(why) => i32::from(why.code()),
+    }
+}
+
+/// Advances the joint by one control period. Never blocks, and costs the same whatever the data.
+/// Returns JOINT_OK, or why nothing was done.
+///
+/// # Safety
+/// `joint` is null or points to a `joint_t` that was given to `joint_init` or is all zeros, and
+/// `sample` is null or points to a sample.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn joint_update(joint: *mut Joint, sample: *const Sample) -> i32 {
+    let own = joint.cast::<Own>();
+    if own.is_null() || !own.is_aligned() || sample.is_null() || !sample.is_aligned() {
+        return JOINT_POINTER;
+    }
+    // SAFETY: zeros and what `joint_init` wrote are both an `Own`; nobody else holds it during the
+    // call. The sample is the caller's.
+    let (own, sample) = unsafe { (&mut *own, &*sample) };
+    if own.mark != MARK {
+        return JOINT_NOT_INITIALISED;
+    }
+    let measured = joint_core::telemetry::Sample {
+        voltage_v: sample.voltage_v,
+        current_a: sample.current_a,
+        motor_counts: sample.motor_counts,
+        output_counts: sample.output_counts,
+    };
+    own.report = own.control.tick(measured, sample.missed);
+    JOINT_OK
+}
+
+/// Reads what the last update left. Returns JOINT_OK, or why nothing was read.
+///
+/// # Safety
+/// As `joint_update`; `estimate` is null or points to a place for an estimate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn joint_estimate(joint: *const Joint, estimate: *mut Estimate) -> i32 {
+    let own = joint.cast::<Own>();
+    if own.is_null() || !own.is_aligned() || estimate.is_null() || !estimate.is_aligned() {
+        return JOINT_POINTER;
+    }
+    // SAFETY: as in `joint_update`, and nothing is changed.
+    let own = unsafe { &*own };
+    if own.mark != MARK {
+        return JOINT_NOT_INITIALISED;
+    }
+    let Report { tick, status, estimates, deviations, .. } = &own.report;
+    let read = Estimate {
+        tick: *tick,
+        status: u32::from(status.0),
+        motor_velocity_rad_per_s: estimates.motor_velocity_rad_per_s,
+        total_friction_at_motor_nm: estimates.total_friction_at_motor_nm,
+        output_angle_rad: estimates.output_angle_rad,
+        output_velocity_rad_per_s: estimates.output_velocity_rad_per_s,
+        load_torque_nm: estimates.load_torque_nm,
+        windup_rad: estimates.windup_rad,
+        motor_velocity_std: deviations.motor_velocity_rad_per_s,
+        total_friction_std: deviations.total_friction_at_motor_nm,
+        output_angle_std: deviations.output_angle_rad,
+        output_velocity_std: deviations.output_velocity_rad_per_s,
+        load_torque_std: deviations.load_torque_nm,
+        windup_std: deviations.windup_rad,
+    };
+    // SAFETY: the caller's place, aligned; nothing there is dropped.
+    unsafe { estimate.write(read) };
+    JOINT_OK
+}
+
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    // Never defined: what links this library has none that can be reached.
+    unsafe extern "C" {
+        safe fn a_panic_can_be_reached() -> !;
+    }
+    a_panic_can_be_reached()
+}

@@ -1,0 +1,428 @@
+//! Whether coefficients are such that the equations can take them.
+//!
+//! A checksum says that a block is what its writer wrote, not that the writer was right. The host
+//! validates SI parameters and names the key; the chip sees coefficients, and refuses those with
+//! which the step would divide by zero, gain energy or never end. The check walks whatever is
+//! serialisable, so a coefficient that is added later is looked at without being told of.
+
+use core::fmt;
+
+use serde::Serialize;
+use serde::ser::{self, Serializer};
+
+/// What a coefficient of this name must be, beside finite and not beyond [`LARGEST`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rule {
+    Finite,
+    NotNegative,
+    Positive,
+    Between(f32, f32),
+    Whole(u64, u64),
+}
+
+/// No coefficient is larger: the step multiplies three of them.
+const LARGEST: f32 = 1e12;
+
+/// The rules by the name of the field; what is not named must be finite.
+const RULES: &[(&str, Rule)] = &[
+    ("micro_steps", Rule::Whole(1, joint_core::joint::MAX_MICRO_STEPS as u64)),
+    ("half_drift", Rule::Positive),
+    ("half_turn", Rule::Positive),
+    ("turns", Rule::Positive),
+    ("per_stribeck_velocity", Rule::NotNegative),
+    ("beta", Rule::Between(-1.0 + 1e-7, LARGEST)),
+    ("kappa", Rule::NotNegative),
+    ("level", Rule::NotNegative),
+    ("stiffness", Rule::NotNegative),
+    ("sigma1", Rule::NotNegative),
+    ("sigma2", Rule::NotNegative),
+    ("rotor_gamma", Rule::NotNegative),
+    ("gamma", Rule::NotNegative),
+    ("mobility", Rule::Positive),
+    ("per_torque", Rule::Positive),
+    ("induced", Rule::Between(0.0, 2.0)),
+    ("decay", Rule::Between(0.0, 1.0)),
+    ("approach", Rule::Between(0.0, 1.0)),
+    ("linear", Rule::NotNegative),
+    ("cubic", Rule::NotNegative),
+    ("current", Rule::Positive),
+    ("speed", Rule::Positive),
+    ("torque", Rule::Positive),
+    ("angle", Rule::Positive),
+    ("sample_time_s", Rule::Between(1e-6, 0.1)),
+    ("motor_counts_per_turn", Rule::Whole(1, 1 << 24)),
+    ("output_counts_per_turn", Rule::Whole(0, 1 << 24)),
+    ("pole_pairs", Rule::Whole(1, 1 << 10)),
+    ("largest_voltage_v", Rule::Positive),
+    ("largest_current_a", Rule::Positive),
+    ("largest_move_counts", Rule::Whole(1, 1 << 24)),
+];
+
+/// Checks every number in there.
+///
+/// # Errors
+/// The name of the first that is not admissible.
+pub fn check(value: &impl Serialize) -> Result<(), &'static str> {
+    let rule = Rule::Finite;
+    match value.serialize(Walk { name: "value", rule }) {
+        Ok(()) => Ok(()),
+        Err(Refused(name)) => Err(name),
+    }
+}
+
+/// The value that is looked at: the name of the field that it is in, and its rule.
+#[derive(Clone, Copy)]
+struct Walk {
+    name: &'static str,
+    rule: Rule,
+}
+
+/// The name of a field that is not admissible.
+#[derive(Debug)]
+struct Refused(&'static str);
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl core::error::Error for Refused {}
+
+impl ser::Error for Refused {
+    fn custom<T: fmt::Display>(_: T) -> Self {
+        Self("value")
+    }
+}
+
+impl Walk {
+    fn field(name: &'static str) -> Self {
+        let rule = RULES.iter().find(|(own, _)| *own == name).map_or(Rule::Finite, |(_, r)| *r);
+        Self { name, rule }
+    }
+
+    fn judge(self, admissible: bool) -> Result<(), Refused> {
+        if admissible { Ok(()) } else { Err(Refused(self.name)) }
+    }
+
+    fn whole(self, value: u64) -> Result<(), Refused> {
+        self.judge(match self.rule {
+            Rule::Whole(low, high) => (low..=high).contains(&value),
+            _ => true,
+        })
+    }
+}
+
+macro_rules! wholes {
+    ($($method:ident $t:ty,)*) => {
+        $(fn $method(self, value: $t) -> Result<(), Refused> { self.whole(u64::from(value)) })*
+    };
+}
+
+macro_rules! passed {
+    ($($method:ident $t:ty,)*) => {
+        $(fn $method(self, _: $t) -> Result<(), Refused> { Ok(()) })*
+    };
+}
+
+impl Serializer for Walk {
+    type Ok = ();
+    type Error = Refused;
+    type SerializeSeq = Self;
+    type SerializeTuple = Self;
+    type SerializeTupleStruct = Self;
+    type SerializeTupleVariant = Self;
+    type SerializeMap = Self;
+    type SerializeStruct = Self;
+    type SerializeStructVariant = Self;
+
+    wholes! { serialize_u8 u8, serialize_u16 u16, serialize_u32 u32, serialize_u64 u64, }
+    passed! {
+        serialize_bool bool, serialize_i8 i8, serialize_i16 i16, serialize_i32 i32,
+        serialize_i64 i64, serialize_char char, serialize_str &str, serialize_bytes &[u8],
+    }
+
+    fn serialize_f32(self, value: f32) -> Result<(), Refused> {
+        // Comparisons with a value that is no number are false.
+        let finite = (-LARGEST..=LARGEST).contains(&value);
+        self.judge(
+            finite
+                && match self.rule {
+                    Rule::Finite | Rule::Whole(..) => true,
+                    Rule::NotNegative => value >= 0.0,
+                    Rule::Positive => value > 0.0,
+                    Rule::Between(low, high) => (low..=high).contains(&value),
+                },
+        )
+    }
+
+    fn serialize_f64(self, value: f64) -> Result<(), Refused> {
+        // By its bits: the chip has no double precision.
+        let exponent = value.to_bits() >> 52 & 0x7ff;
+        self.judge(exponent != 0x7ff)
+    }
+
+    fn serialize_none(self) -> Result<(), Refused> {
+        Ok(())
+    }
+
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<(), Refused> {
+        value.serialize(self)
+    }
+
+    fn serialize_unit(self) -> Result<(), Refused> {
+        Ok(())
+    }
+
+    fn serialize_unit_struct(self, _: &'static str) -> Result<(), Refused> {
+        Ok(())
+    }
+
+    fn serialize_unit_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+    ) -> Result<(), Refused> {
+        Ok(())
+    }
+
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(
+        self,
+        _: &'static str,
+        value: &T,
+    ) -> Result<(), Refused> {
+        value.serialize(self)
+    }
+
+    fn serialize_newtype_variant<T: Serialize + ?Sized>(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        value: &T,
+    ) -> Result<(), Refused> {
+        value.serialize(self)
+    }
+
+    fn serialize_seq(self, _: Option<usize>) -> Result<Self, Refused> {
+        Ok(self)
+    }
+
+    fn serialize_tuple(self, _: usize) -> Result<Self, Refused> {
+        Ok(self)
+    }
+
+    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Self, Refused> {
+        Ok(self)
+    }
+
+    fn serialize_tuple_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        _: usize,
+    ) -> Result<Self, Refused> {
+        Ok(self)
+    }
+
+    fn serialize_map(self, _: Option<usize>) -> Result<Self, Refused> {
+        Ok(self)
+    }
+
+    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Self, Refused> {
+        Ok(self)
+    }
+
+    fn serialize_struct_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        _: usize,
+    ) -> Result<Self, Refused> {
+        Ok(self)
+    }
+
+    fn collect_str<T: fmt::Display + ?Sized>(self, _: &T) -> Result<(), Refused> {
+        Ok(())
+    }
+
+    fn is_human_readable(&self) -> bool {
+        false
+    }
+}
+
+macro_rules! elements {
+    ($($collection:ident $method:ident,)*) => {
+        $(impl ser::$collection for Walk {
+            type Ok = ();
+            type Error = Refused;
+
+            fn $method<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Refused> {
+                value.serialize(*self)
+            }
+
+            fn end(self) -> Result<(), Refused> {
+                Ok(())
+            }
+        })*
+    };
+}
+
+elements! {
+    SerializeSeq serialize_element,
+    SerializeTuple serialize_element,
+    SerializeTupleStruct serialize_field,
+    SerializeTupleVariant serialize_field,
+}
+
+macro_rules! fields {
+    ($($collection:ident,)*) => {
+        $(impl ser::$collection for Walk {
+            type Ok = ();
+            type Error = Refused;
+
+            fn serialize_field<T: Serialize + ?Sized>(
+                &mut self,
+                name: &'static str,
+                value: &T,
+            ) -> Result<(), Refused> {
+                value.serialize(Walk::field(name))
+            }
+
+            fn end(self) -> Result<(), Refused> {
+                Ok(())
+            }
+        })*
+    };
+}
+
+fields! { SerializeStruct, SerializeStructVariant, }
+
+impl ser::SerializeMap for Walk {
+    type Ok = ();
+    type Error = Refused;
+
+    fn serialize_key<T: Serialize + ?Sized>(&mut self, _: &T) -> Result<(), Refused> {
+        Ok(())
+    }
+
+    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Refused> {
+        value.serialize(*self)
+    }
+
+    fn end(self) -> Result<(), Refused> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::joint::{Drive, Settings};
+    use joint_core::params::{Friction, Load, Location, Motor, Stage};
+    use serde_json::Value;
+
+    use super::*;
+    use crate::parameters::{Parameters, Sensing};
+
+    fn parameters() -> Parameters<2> {
+        let friction = Friction {
+            sigma0_nm_per_rad: 10.0,
+            sigma1_nm_s_per_rad: 0.01,
+            coulomb_nm: 0.01,
+            ..Friction::default()
+        };
+        let motor = Motor {
+            phase_resistance_ohm: 0.5,
+            phase_inductance_h: 1e-4,
+            torque_constant_nm_per_a: 0.1,
+            rotor_inertia_kg_m2: 1e-5,
+            friction,
+            ..Motor::default()
+        };
+        let stage = Stage {
+            reduction: 10.0,
+            inertia_kg_m2: 1e-3,
+            stiffness_nm_per_rad: 300.0,
+            friction,
+            ..Stage::default()
+        };
+        let cogging = EffectParameters::new(Kind::Cogging, Location::Motor)
+            .with("order", 6.0)
+            .with("amplitude_nm", 1e-3);
+        let settings = Settings { effects: &[cogging], ..Settings::new(Drive::Voltage, 50e-6) };
+        let joint = crate::parameters::DriveJoint::<2>::new(
+            &motor,
+            &[stage; 2],
+            &Load::default(),
+            &settings,
+        )
+        .unwrap();
+        Parameters { joint, sensing: Sensing::default() }
+    }
+
+    /// Every number below a key, set in turn.
+    fn set(value: &Value, key: &str, wrong: &Value, inside: bool) -> Vec<Value> {
+        match value {
+            Value::Object(fields) => fields
+                .iter()
+                .flat_map(|(name, own)| {
+                    let changed = set(own, key, wrong, name == key);
+                    changed.into_iter().map(move |own| {
+                        let mut all = fields.clone();
+                        all.insert(name.clone(), own);
+                        Value::Object(all)
+                    })
+                })
+                .collect(),
+            Value::Array(items) => (0..items.len())
+                .flat_map(|k| {
+                    let changed = set(&items[k], key, wrong, inside);
+                    changed.into_iter().map(move |own| {
+                        let mut all = items.clone();
+                        all[k] = own;
+                        Value::Array(all)
+                    })
+                })
+                .collect(),
+            Value::Number(_) if inside => vec![wrong.clone()],
+            _ => vec![],
+        }
+    }
+
+    #[test]
+    fn a_joint_that_the_host_built_is_admissible() {
+        assert_eq!(check(&parameters()), Ok(()));
+    }
+
+    #[test]
+    fn every_rule_has_coefficients_and_refuses_each_of_them_by_name() {
+        let good = serde_json::to_value(parameters()).unwrap();
+        for (key, rule) in RULES {
+            let wrong = match rule {
+                Rule::Finite => continue,
+                Rule::NotNegative | Rule::Between(..) => Value::from(-3.0),
+                Rule::Positive => Value::from(0.0),
+                Rule::Whole(_, high) => Value::from(high + 1),
+            };
+            let all = set(&good, key, &wrong, false);
+            assert!(!all.is_empty(), "{key} is the name of nothing");
+            for bad in all {
+                let bad: Parameters<2> = serde_json::from_value(bad).unwrap();
+                assert_eq!(check(&bad), Err(*key));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused_wherever_it_stands() {
+        for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30] {
+            assert_eq!(check(&[0.0, bad]), Err("value"));
+            assert!(check(&Some((1_u8, [bad]))).is_err());
+            assert!(check(&f64::from(bad)).is_err() != bad.is_finite());
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! `hil SAMPLES COMMANDS FRAMES`: the drive in the loop with a simulated plant.
+//!
+//! The path is the real one: an interrupt takes a sample, runs the session and puts messages into a
+//! queue; the main program frames them. Only the ends are simulated: samples come from a file where
+//! a timer and a converter would give them, and frames go to a file. The parameters are read from
+//! the flash page, where the emulator has put them or nothing. Bytes of the command file are frames
+//! whose sequence number is the sample before which the command is to act.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod on_board {
+    use core::cell::RefCell;
+    use core::sync::atomic::{AtomicU32, Ordering};
+
+    use cortex_m::peripheral::SCB;
+    use cortex_m::peripheral::syst::SystClkSource;
+    use critical_section::Mutex;
+    use firmware::board::{self, Access, Failure, Sink};
+    use firmware::link::{self, Commands, Link, Messages};
+    use firmware::session::Session;
+    use heapless::mpmc::Queue;
+    use joint_core::telemetry::frame::{MAX_FRAME, Reader};
+    use joint_core::telemetry::{Message, Sample, Status};
+    use semihosting::println;
+
+    /// Samples that the plant is ahead of the interrupt.
+    const AHEAD: usize = 32;
+    const SAMPLE_BYTES: usize = 16;
+    /// Instructions between two interrupts, by the emulator's clock of one a nanosecond: 50 µs at
+    /// its 168 MHz, and more than a control period takes.
+    const PERIOD: u32 = 8_400;
+
+    /// What the interrupt owns.
+    static SESSION: Mutex<RefCell<Option<&'static mut Session>>> = Mutex::new(RefCell::new(None));
+    #[expect(deprecated)] // As in `link`: what fails is tried again.
+    static PLANT: Queue<Sample, AHEAD> = Queue::new();
+    static COMMANDS: Commands = link::commands();
+    static MESSAGES: Messages = link::messages();
+    static PERIODS: AtomicU32 = AtomicU32::new(0);
+
+    #[cortex_m_rt::exception]
+    fn SysTick() {
+        critical_section::with(|cs| {
+            let mut session = SESSION.borrow_ref_mut(cs);
+            let Some(session) = session.as_mut() else { return };
+            // The converter is done when the plant has a sample.
+            let Some(sample) = PLANT.dequeue() else { return };
+            while let Some(command) = COMMANDS.dequeue() {
+                session.command(command);
+            }
+            session.tick(sample, 0, Status::default(), &MESSAGES);
+            PERIODS.fetch_add(1, Ordering::Relaxed);
+        });
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        board::finish(start().and_then(run))
+    }
+
+    /// Apart from what follows, so that neither has to share the stack with the other.
+    #[inline(never)]
+    fn start() -> Result<&'static mut Session, Failure> {
+        let Some(session) = cortex_m::singleton!(: Session = Session::new()) else {
+            return Err(Failure::Argument("session"));
+        };
+        let refusal = session.start(board::parameter_page())?;
+        match refusal {
+            None => println!("parameters=accepted"),
+            Some(why) => println!("parameters={why}"),
+        }
+        println!("parameters_crc32={:08x}", session.hello().parameters_crc);
+        println!("block_version={}", session.hello().block_version);
+        println!("start_stack_bytes={}", board::stack_used());
+        let bytes = board::stack_of(|| {
+            let sample = core::hint::black_box(Sample::default());
+            session.tick(sample, 0, Status::default(), &MESSAGES);
+        });
+        println!("tick_stack_bytes={bytes}");
+        while MESSAGES.dequeue().is_some() {}
+        // Again from rest, as if it had not been.
+        session.start(board::parameter_page())?;
+        Ok(session)
+    }
+
+    #[inline(never)]
+    fn run(session: &'static mut Session) -> Result<(), Failure> {
+        critical_section::with(|cs| SESSION.borrow_ref_mut(cs).replace(session));
+
+        let Some(mut core) = cortex_m::Peripherals::take() else {
+            return Err(Failure::Argument("peripherals"));
+        };
+        core.SYST.set_clock_source(SystClkSource::Core);
+        core.SYST.set_reload(PERIOD - 1);
+        core.SYST.clear_current();
+        core.SYST.enable_counter();
+        core.SYST.enable_interrupt();
+
+        let mut log = board::open(1, "samples", Access::Read)?;
+        let mut orders = board::open(2, "commands", Access::Read)?;
+        let mut frames = Sink::new(board::open(3, "frames", Access::Write)?, "frames");
+        let mut order_bytes = [0; 512];
+        let orders = board::fill(&mut orders, "commands", &mut order_bytes)?;
+        let mut reader = Reader::default();
+        let mut orders = orders.iter().filter_map(|byte| reader.push(*byte));
+        let mut next = orders.next();
+        let mut link = Link::default();
+        let mut chunk = [0; 64 * SAMPLE_BYTES];
+        let mut fed = 0;
+        loop {
+            let bytes = board::fill(&mut log, "samples", &mut chunk)?;
+            for sample in bytes.as_chunks().0 {
+                while let Some(order) = next.as_ref().filter(|order| order.sequence <= fed) {
+                    // The command is to find every earlier sample taken.
+                    drain(fed, &mut link, &mut frames)?;
+                    if let Message::Command(command) = order.message {
+                        let _ = COMMANDS.enqueue(command);
+                    }
+                    next = orders.next();
+                }
+                while PLANT.enqueue(Sample::from_bytes(sample)).is_err() {
+                    send(&mut link, &mut frames)?;
+                }
+                fed += 1;
+            }
+            if bytes.len() < 64 * SAMPLE_BYTES {
+                break;
+            }
+        }
+        drain(fed, &mut link, &mut frames)?;
+        SCB::clear_pendst();
+        core.SYST.disable_interrupt();
+        while send(&mut link, &mut frames)? {}
+        frames.flush()?;
+        println!("samples={fed}");
+        println!("frames_crc32={:08x}", frames.checksum());
+        Ok(())
+    }
+
+    /// Sends what waits, until that many samples were taken.
+    fn drain(fed: u32, link: &mut Link, frames: &mut Sink) -> Result<(), Failure> {
+        while PERIODS.load(Ordering::Relaxed) < fed {
+            send(link, frames)?;
+        }
+        Ok(())
+    }
+
+    fn send(link: &mut Link, frames: &mut Sink) -> Result<bool, Failure> {
+        let mut bytes = [0; MAX_FRAME];
+        let mut length = 0;
+        let sent = link.send(&MESSAGES, |frame| {
+            length = frame.len();
+            bytes.iter_mut().zip(frame).for_each(|(to, from)| *to = *from);
+            true
+        });
+        for byte in bytes.get(..length).unwrap_or_default() {
+            frames.put_byte(*byte)?;
+        }
+        Ok(sent)
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("hil runs on a board: build it for thumbv7em-none-eabihf");
+}

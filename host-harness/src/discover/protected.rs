@@ -1,0 +1,91 @@
+//! Finding an effect so large that the nominal cannot be refitted around it.
+//!
+//! Where what is missing is many times the noise, a refit of the plain model bends every parameter
+//! to explain it, and no linear step from there can be believed. So the equation that disagrees
+//! most is given a push that wanders along with the refit: the push takes what the equation
+//! misses, and the parameters stay where they belong. Hypotheses are scored and first fitted beside
+//! the push, and only then have to do without it.
+
+use rayon::prelude::*;
+
+use super::candidates::{self, Scene};
+use super::findings::ScoreRow;
+use super::hypothesis::Hypothesis;
+use super::score_test::{Gain, ScoreTest};
+use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, threshold, title};
+use super::whereabouts::disagreeing;
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::Problem;
+use crate::estimate::refit::{self, cost};
+use crate::plant::BuildError;
+
+/// How much less than expected the model is trusted beside the push.
+const DISTRUST: f64 = 2.0;
+/// Hypotheses that are fitted beside the push.
+const FITTED: usize = 4;
+
+/// Adds the effect that explains most beside a push, if it holds without it.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn add_protected(
+    problem: Problem<'_>,
+    search: &mut Search,
+    round: usize,
+) -> Result<bool, BuildError> {
+    let base = search.after.clone();
+    let expected = search.expected;
+    let wary = Noise {
+        drive: DISTRUST * expected.drive,
+        torque: DISTRUST * expected.torque,
+        ..base.fit.noise
+    };
+    let Some((walk, protected)) = disagreeing(&problem, &base, &wary)? else { return Ok(false) };
+    let beside = problem.pushed(walk);
+    let Some(test) = ScoreTest::new(beside, &base.origin, &protected, 3) else {
+        return Ok(false);
+    };
+    let scene = Scene::new(&protected.model, problem.record, &test);
+    let hypotheses: Vec<Hypothesis> =
+        candidates::proposed(&scene, &search.withdrawn);
+    let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
+    let least = threshold(gains.iter()).max(LEAST_GAIN);
+    let mut ranked: Vec<(&Hypothesis, f64)> =
+        hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut tried: Vec<(Contender, Stage)> = Vec::new();
+    for (hypothesis, score) in ranked.into_iter().filter(|(_, gain)| *gain > least) {
+        if tried.len() >= FITTED || tried.iter().any(|(known, _)| known.name == hypothesis.name()) {
+            continue;
+        }
+        let mut origin = base.origin.clone();
+        origin.effects.push(hypothesis.start);
+        let mut coordinates = base.fit.coordinates.clone();
+        coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+        let start = hypothesis.added(&protected.model);
+        let fit = beside.fit(&origin, &start, &coordinates, &wary, 5)?;
+        let fit = refit::polish(&problem, &origin, &fit.model, &coordinates, &expected, &wary)?;
+        let gain = cost(&base.fit) - cost(&fit);
+        search.scores.push(ScoreRow {
+            round,
+            name: title(hypothesis.name()),
+            score,
+            refitted: Some(gain),
+        });
+        let name = hypothesis.name();
+        tried.push((Contender { name, gain }, Stage { fit, origin }));
+    }
+    tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    let mut tried = tried.into_iter();
+    let Some((winner, stage)) = tried.next() else { return Ok(false) };
+    if winner.gain.is_nan() || winner.gain < LEAST_GAIN {
+        return Ok(false);
+    }
+    let rivals = tried.map(|(rival, _)| rival).collect();
+    let Stage { fit, origin } = stage;
+    let fit = refit::converge(&problem, &origin, fit, &expected)?;
+    let stage = Stage { fit, origin };
+    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals });
+    search.after = stage;
+    Ok(true)
+}

@@ -1,0 +1,294 @@
+//! From a model to the constants of its observer.
+
+use joint_core::joint::Drive;
+use joint_core::observer::{CHANNELS, Column, Design, Regime, SETS, Spread, StageRow};
+use joint_core::per_unit::Bases;
+use nalgebra::DMatrix;
+
+use super::linear::{Linear, Order, linearise};
+use super::rating::Rating;
+use super::riccati::{Median, Uncertain, medians};
+use super::twin::{Felt, twin};
+use crate::model::Model;
+use crate::plant::{BuildError, Layout};
+
+/// Samples of the motion that gains are designed along.
+const SAMPLES: usize = 6000;
+
+/// What is free in a design, all as shares of ratings and of friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// Load's walk as a share of the rated load per root second: steady, alert, lively.
+    pub load: [f64; 3],
+    /// Load's slope as a share of the rated load per second, the same.
+    pub slope: [f64; 3],
+    /// Time constant of the slope, s, the same.
+    pub leak_s: [f64; 3],
+    /// Walk of the missing drive as a share of the rated one per root second.
+    pub bias: f64,
+    /// Noise on the drive as a share of the rated one.
+    pub drive: f64,
+    /// Noise on the rotor as a share of the breakaway torque.
+    pub torque: f64,
+    /// Walk of every bristle, share of its Coulomb level per root second.
+    pub bristle: f64,
+    /// Time constant of the lean's mean, s.
+    pub follow_s: f64,
+    /// Alarm, in standard deviations of that mean.
+    pub alarm: f64,
+    /// How long an alarm holds, s.
+    pub hold_s: f64,
+    /// Time constant of the share of alarms, s.
+    pub often_s: f64,
+    /// Share of alarms that makes a load lively.
+    pub often: f64,
+    /// How long a load is lively after that, s.
+    pub lively_s: f64,
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        let mut tuning = Self {
+            load: [0.075, 4.7, 0.06],
+            slope: [25.0, 32.0, 520.0],
+            leak_s: [0.1, 0.035, 0.02],
+            bias: 0.002,
+            drive: 1e-3,
+            torque: 0.012,
+            bristle: 4.0,
+            follow_s: 0.001,
+            alarm: 2.8,
+            hold_s: 0.001,
+            often_s: 0.012,
+            often: 0.2,
+            lively_s: 0.087,
+        };
+        if let Ok(text) = std::env::var("TUNE") {
+            for pair in text.split(',') {
+                let Some((key, value)) = pair.split_once('=') else { continue };
+                let value: f64 = value.parse().unwrap_or(0.0);
+                match key {
+                    "l0" => tuning.load[0] = value,
+                    "l1" => tuning.load[1] = value,
+                    "s0" => tuning.slope[0] = value,
+                    "s1" => tuning.slope[1] = value,
+                    "l2" => tuning.load[2] = value,
+                    "s2" => tuning.slope[2] = value,
+                    "tau0" => tuning.leak_s[0] = value,
+                    "tau1" => tuning.leak_s[1] = value,
+                    "tau2" => tuning.leak_s[2] = value,
+                    "n" => tuning.often = value,
+                    "nt" => tuning.often_s = value,
+                    "nh" => tuning.lively_s = value,
+                    "b" => tuning.bias = value,
+                    "d" => tuning.drive = value,
+                    "t" => tuning.torque = value,
+                    "z" => tuning.bristle = value,
+                    "f" => tuning.follow_s = value,
+                    "a" => tuning.alarm = value,
+                    "h" => tuning.hold_s = value,
+                    _ => eprintln!("unknown {key}"),
+                }
+            }
+        }
+        tuning
+    }
+}
+
+/// One sigma of the sensors: A, rad, rad; infinite where the model has none.
+pub fn sensors(model: &Model) -> [f64; CHANNELS] {
+    let count = |counts: f64| {
+        if counts > 0.0 { std::f64::consts::TAU / counts / 12.0_f64.sqrt() } else { f64::INFINITY }
+    };
+    let sensor = &model.sensor;
+    let current = if sensor.current_noise_a > 0.0 { sensor.current_noise_a } else { f64::INFINITY };
+    let output = if model.stages.is_empty() {
+        f64::INFINITY
+    } else {
+        count(sensor.output_encoder_counts_per_rev)
+    };
+    [current, count(sensor.motor_encoder_counts_per_rev).min(1e3), output]
+}
+
+/// Torque at the motor that breaks the whole joint away, Nm.
+pub fn breakaway_nm(model: &Model) -> f64 {
+    let bases = Bases::si(&model.motor, &model.stages);
+    let stages = model.stages.iter().enumerate();
+    let behind: f64 =
+        stages.map(|(k, stage)| stage.friction.breakaway_nm() * bases.shaft(k + 1).abs()).sum();
+    model.motor.friction.breakaway_nm() + behind
+}
+
+/// Designs an observer's constants.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn design<const N: usize>(
+    model: &Model,
+    kind: Drive,
+    step_s: f64,
+    rating: &Rating,
+    tuning: &Tuning,
+) -> Result<Design<N>, BuildError> {
+    let mut design = gains(model, kind, step_s, rating, tuning)?;
+    design.spread = super::judge::spread(model, kind, step_s, rating, &design)?;
+    Ok(design)
+}
+
+/// The same without standard deviations, which take the longest.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn gains<const N: usize>(
+    model: &Model,
+    kind: Drive,
+    step_s: f64,
+    rating: &Rating,
+    tuning: &Tuning,
+) -> Result<Design<N>, BuildError> {
+    let felt =
+        Felt { drive: tuning.drive * rating.drive, torque: tuning.torque * breakaway_nm(model) };
+    let sigma = sensors(model);
+    let motion = twin(model, kind, step_s, rating, &felt, SAMPLES, 1)?;
+    let linear = linearise(model, kind, step_s, &motion, &sigma)?;
+    Ok(assemble(model, kind, step_s, rating, tuning, &linear))
+}
+
+fn assemble<const N: usize>(
+    model: &Model,
+    kind: Drive,
+    step_s: f64,
+    rating: &Rating,
+    tuning: &Tuning,
+    linear: &Linear,
+) -> Design<N> {
+    let root = step_s.sqrt();
+    let all = sensors(model);
+    let held = settled(&linear.held, 3);
+    let free: Vec<bool> = settled(&linear.held.iter().map(|h| !h).collect::<Vec<_>>(), 3);
+    let uncertain = |speed: usize, output: bool| Uncertain {
+        drive: tuning.drive * rating.drive,
+        torque: tuning.torque * breakaway_nm(model),
+        sensors: [
+            if kind == Drive::Current { f64::INFINITY } else { all[0] },
+            all[1],
+            if output { all[2] } else { f64::INFINITY },
+        ],
+        load: tuning.load[speed] * rating.load_nm * root,
+        slope: tuning.slope[speed] * rating.load_nm * step_s,
+        leak: (-step_s / tuning.leak_s[speed]).exp(),
+        bias: tuning.bias * rating.drive * root,
+        bristle: tuning.bristle * root,
+    };
+    let mut sets = [[Column::filled(0.0); CHANNELS]; SETS];
+    let mut sigma = [1.0; CHANNELS];
+    let mut lean = [[0.0; CHANNELS]; 2];
+    for output in [false, true] {
+        if output && !all[2].is_finite() {
+            for regime in [Regime::Steady, Regime::Alert, Regime::Lively, Regime::Held] {
+                for bent in [false, true] {
+                    sets[regime.row(true, bent)] = sets[regime.row(false, bent)];
+                }
+            }
+            lean[1] = lean[0];
+            continue;
+        }
+        let both = |mask: &[bool], bent: bool| -> Vec<bool> {
+            mask.iter().zip(&linear.bent).map(|(m, b)| *m && *b == bent).collect()
+        };
+        let masks = [
+            free.clone(),
+            both(&free, false),
+            both(&free, true),
+            both(&held, false),
+            both(&held, true),
+        ];
+        let slow = medians(linear, &uncertain(0, output), &masks);
+        let fast = medians(linear, &uncertain(1, output), &masks);
+        let lively = medians(linear, &uncertain(2, output), &masks);
+        let Some(steady) = slow[0].clone() else { continue };
+        if !output || sigma[2] == 1.0 {
+            for c in 0..CHANNELS {
+                if steady.sigma[c] > 0.0 {
+                    sigma[c] = steady.sigma[c];
+                }
+            }
+        }
+        let or = |a: &Option<Median>, b: &Option<Median>| {
+            a.clone().or_else(|| b.clone()).unwrap_or_else(|| steady.clone())
+        };
+        for bent in [false, true] {
+            let k = usize::from(bent);
+            let rows = [
+                (Regime::Steady, or(&slow[1 + k], &slow[0])),
+                (Regime::Alert, or(&fast[1 + k], &fast[0])),
+                (Regime::Lively, or(&lively[1 + k], &lively[0])),
+                (Regime::Held, or(&slow[3 + k], &slow[3])),
+            ];
+            for (regime, median) in rows {
+                sets[regime.row(output, bent)] = columns(linear.order, &median, &sigma);
+            }
+        }
+        let leans = sets[Regime::Steady.row(output, false)].each_ref().map(|column| column.load);
+        let size = leans.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300);
+        lean[usize::from(output)] = leans.map(|v| v / size);
+    }
+    let follow = 1.0 - (-step_s / tuning.follow_s).exp();
+    let settled = ((0.02 / step_s) as u16).max(50);
+    Design {
+        sets,
+        bent: super::linear::bend(model),
+        sigma,
+        gate: 40.0,
+        leak: [0, 1, 2, 0].map(|k: usize| (-step_s / tuning.leak_s[k]).exp()),
+        lean,
+        follow,
+        alarm: tuning.alarm * (follow / (2.0 - follow)).sqrt(),
+        hold: (tuning.hold_s / step_s).round().max(1.0) as u16,
+        often: 1.0 - (-step_s / tuning.often_s).exp(),
+        lively: (tuning.often, (tuning.lively_s / step_s).round().max(1.0) as u16),
+        settled,
+        strange: 12.0,
+        most_load_nm: 4.0 * rating.load_nm,
+        most_bias: 0.5 * rating.drive,
+        most_current_a: rating.current_a,
+        spread: [Spread::filled(0.0); SETS],
+    }
+}
+
+fn columns<const N: usize>(
+    order: Order,
+    median: &Median,
+    sigma: &[f64; CHANNELS],
+) -> [Column<f64, N>; CHANNELS] {
+    let layout = order.plant;
+    let gain: &DMatrix<f64> = &median.gain;
+    std::array::from_fn(|c| {
+        let at = |row: usize| gain[(row, c)] * sigma[c];
+        Column {
+            current: at(Layout::CURRENT),
+            angle: at(Layout::ANGLE),
+            speed: at(layout.speed(0)),
+            bristle: at(layout.bristle(0)),
+            stages: std::array::from_fn(|k| StageRow {
+                deflection: at(layout.deflection(k)),
+                speed: at(layout.speed(k + 1)),
+                bristle: at(layout.bristle(k + 1)),
+            }),
+            load: at(order.load()),
+            slope: at(order.slope()),
+            bias: at(order.bias()),
+        }
+    })
+}
+
+/// Where something has been so for that many samples.
+fn settled(so: &[bool], samples: usize) -> Vec<bool> {
+    let mut since = 0;
+    so.iter()
+        .map(|so| {
+            since = if *so { since + 1 } else { 0 };
+            since > samples
+        })
+        .collect()
+}

@@ -1,0 +1,139 @@
+//! Records on which an observer is designed and judged: the model itself, under loads.
+//!
+//! A steady-state filter needs no measurement to be designed, only a motion to be linearised along.
+//! What it is worth is then found by running it over the same motion seen through the sensors, so
+//! the record has what a joint meets: jumps of the load and waves of it, reversals, stops.
+
+use std::f64::consts::TAU;
+
+use joint_core::joint::Drive;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::rating::Rating;
+use crate::model::Model;
+use crate::plant::{BuildError, Grid, Layout, plant};
+
+/// A motion of the joint whose every quantity is known.
+#[derive(Clone, Debug)]
+pub struct Twin {
+    /// Applied drive by sample, V or A.
+    pub drive: Vec<f64>,
+    /// Load by sample, Nm.
+    pub load: Vec<f64>,
+    /// States by sample, as a plant has them.
+    pub states: Vec<Vec<f64>>,
+    /// Samples whose load has jumped.
+    pub jumps: Vec<usize>,
+}
+
+/// Noise that acts on the joint itself, one sigma held over a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Felt {
+    /// On the drive, V or A.
+    pub drive: f64,
+    /// On the rotor, Nm.
+    pub torque: f64,
+}
+
+/// Runs `truth` under a drive and loads within the rating.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn twin(
+    truth: &Model,
+    kind: Drive,
+    step_s: f64,
+    rating: &Rating,
+    felt: &Felt,
+    samples: usize,
+    seed: u64,
+) -> Result<Twin, BuildError> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let drive = drive(rating, samples, &mut random);
+    let (load, jumps) = load(rating.load_nm, step_s, samples, &mut random);
+    let times: Vec<f64> = (0..samples).map(|k| k as f64 * step_s).collect();
+    let grid = Grid::new(&times, None);
+    let plant = plant(truth, &grid, kind)?;
+    let layout = Layout::of(truth);
+    let inertia = crate::plant::inertias(truth)[0];
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let mut state = vec![0.0; layout.len()];
+    let mut states = Vec::with_capacity(samples);
+    for k in 0..samples {
+        states.push(state.clone());
+        if kind == Drive::Current {
+            state[Layout::CURRENT] = drive[k];
+        }
+        plant.propagate(k, &mut state, drive[k] + felt.drive * normal(), load[k]);
+        state[layout.speed(0)] += felt.torque * normal() * step_s / inertia;
+    }
+    Ok(Twin { drive, load, states, jumps })
+}
+
+/// Ramps, holds, reversals, a wandering part, steps and slow passages through zero.
+fn drive(rating: &Rating, samples: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
+    let most = rating.drive;
+    let parts = 20;
+    let length = samples.div_ceil(parts).max(1);
+    let mut values = Vec::with_capacity(samples);
+    let mut now = 0.0;
+    let mut sign = 1.0;
+    for part in 0..parts {
+        let level = most * random.random_range(0.3..1.0);
+        let style = part % 5;
+        sign = if random.random::<f64>() < 0.75 { -sign } else { sign };
+        let target = sign * level;
+        let (start, mut wander) = (now, 0.0);
+        for k in 0..length {
+            let share = k as f64 / length as f64;
+            now = match style {
+                0 if part == 0 => 0.0,
+                0 => start + (0.3 * target - start) * share,
+                1 | 3 => start + (target - start) * (3.0 * share).min(1.0),
+                2 => {
+                    wander = 0.98 * wander + 0.06 * most * random.random_range(-1.0..1.0);
+                    0.5 * target * (3.0 * share).min(1.0) + wander
+                }
+                _ if part % 10 == 9 => 0.15 * most * (TAU * 4.0 * share).sin() * share,
+                _ => target,
+            };
+            values.push(now);
+        }
+    }
+    values.truncate(samples);
+    values
+}
+
+/// Nothing, jumps, and waves of several lengths.
+fn load(most: f64, step_s: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<usize>) {
+    let parts = 14;
+    let length = samples.div_ceil(parts).max(1);
+    let mut values: Vec<f64> = Vec::with_capacity(samples);
+    let mut jumps = Vec::new();
+    for part in 0..parts {
+        let sign = if random.random() { 1.0 } else { -1.0 };
+        let level = sign * most * random.random_range(0.5..1.0);
+        let style = part % 4;
+        // From half a wave to eight in a part.
+        let waves = random.random_range(0.0_f64..4.0).exp2() * 0.5;
+        for k in 0..length {
+            let share = k as f64 / length as f64;
+            values.push(match style {
+                0 | 2 if part == 0 => 0.0,
+                1 => level,
+                3 => level * (TAU * waves * share).sin(),
+                _ => 0.0,
+            });
+        }
+    }
+    values.truncate(samples);
+    for k in 1..values.len() {
+        if (values[k] - values[k - 1]).abs() > 0.2 * most {
+            jumps.push(k);
+        }
+    }
+    let _ = step_s;
+    (values, jumps)
+}

@@ -1,0 +1,164 @@
+//! `joint observe`: the on-drive observer over a log.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use joint_core::joint::Drive;
+use joint_core::per_unit::Bases;
+use serde_json::json;
+
+use super::{Common, Failure, Outcome, read_log, read_model};
+use crate::log::{Log, Need, compressed};
+use crate::model::Model;
+use crate::observe::design::{Tuning, design, gains};
+use crate::observe::rating::Rating;
+use crate::observe::run::{Found, Seen, observer, run as run_over};
+use crate::observe::table;
+use crate::output::OutFile;
+use crate::plant::{BuildError, by_stages};
+
+/// Run the on-drive observer over a log
+///
+/// Writes motor speed, friction, wind-up, output motion and load torque with one standard deviation
+/// of each, and a status. Gains are designed from the model, its effects and its sensors. A log
+/// without `output_angle_rad` is observed from the motor alone.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Example:
+  joint identify --model arm.toml --log calibration.csv --out refit
+  joint observe --model refit/model.toml --log arm.csv --out observed.csv --scalar f32")]
+pub struct Args {
+    /// Model file
+    #[arg(long, value_name = "TOML")]
+    pub model: PathBuf,
+    /// Log to observe
+    #[arg(long, value_name = "CSV")]
+    pub log: PathBuf,
+    /// File to write, compressed where it ends in .gz
+    #[arg(long, value_name = "CSV")]
+    pub out: PathBuf,
+    /// Number to compute in
+    #[arg(long, value_enum, default_value_t = Scalar::F32)]
+    pub scalar: Scalar,
+    /// Largest load expected at the output, Nm; where left out, from the log's voltages
+    #[arg(long, value_name = "NM")]
+    pub rated_load_nm: Option<f64>,
+}
+
+/// Which number the observer computes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Scalar {
+    /// Double precision
+    F64,
+    /// Single precision, bit for bit as on the drive
+    F32,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A file that cannot be read or written, or a model that cannot be observed.
+pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let out = OutFile::new(&args.out, common.force)?;
+    let model = read_model(&args.model)?;
+    let log = read_log(&args.log, Need::Drive)?;
+    let bar = common.progress(0, "observing");
+    let text = observed(args, &model, &log)
+        .map_err(|error| Failure::input(format!("{}: {error}", args.model.display())))?;
+    bar.finish_and_clear();
+    let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
+    let samples = log.len();
+    Ok(Outcome::done(
+        json!({"out": path, "model": model.name, "samples": samples}),
+        format!("{}: {samples} samples of {}", path.display(), model.name),
+    ))
+}
+
+fn observed(args: &Args, model: &Model, log: &Log) -> Result<String, BuildError> {
+    by_stages!(model.stages.len(), N => observed_by::<N>(args, model, log))
+}
+
+fn observed_by<const N: usize>(
+    args: &Args,
+    model: &Model,
+    log: &Log,
+) -> Result<String, BuildError> {
+    let kind = if log.voltage_v.is_some() { Drive::Voltage } else { Drive::Current };
+    let mut intervals: Vec<f64> = log.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    intervals.sort_by(f64::total_cmp);
+    let step_s = intervals.get(intervals.len() / 2).copied().unwrap_or(1e-4);
+    let steps: Vec<u32> = std::iter::once(1)
+        .chain(
+            log.time_s
+                .windows(2)
+                .map(|pair| ((pair[1] - pair[0]) / step_s).round().clamp(1.0, 1e5) as u32),
+        )
+        .collect();
+    let samples = samples(log, kind);
+    let drive = samples.iter().map(|s| s.drive.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let mut rating = Rating::of(model, kind);
+    if drive > 0.0 {
+        rating.drive = drive;
+        rating.load_nm = Rating::holds(model, kind, drive);
+    }
+    if let Some(load) = args.rated_load_nm {
+        rating.load_nm = load;
+    } else {
+        rating.load_nm = seen_load::<N>(model, kind, step_s, rating, &samples, &steps)?;
+    }
+    let tuning = Tuning::default();
+    let design = design::<N>(model, kind, step_s, &rating, &tuning)?;
+    let found: Vec<Found<N>> = match args.scalar {
+        Scalar::F64 => {
+            run_over(&observer::<f64, N>(model, kind, step_s, &design)?, &samples, &steps)
+        }
+        Scalar::F32 => {
+            run_over(&observer::<f32, N>(model, kind, step_s, &design)?, &samples, &steps)
+        }
+    };
+    let bases = Bases::si(&model.motor, &model.stages);
+    let shafts = std::array::from_fn(|k| bases.shaft(k + 1));
+    Ok(format!("{}\n{}", table::header(N), table::rows(&log.time_s, &found, &shafts)))
+}
+
+/// The largest load that a log shows to observers designed for less and less, Nm.
+fn seen_load<const N: usize>(
+    model: &Model,
+    kind: Drive,
+    step_s: f64,
+    mut rating: Rating,
+    samples: &[Seen],
+    steps: &[u32],
+) -> Result<f64, BuildError> {
+    for _ in 0..3 {
+        let design = gains::<N>(model, kind, step_s, &rating, &Tuning::default())?;
+        let found = run_over(&observer::<f64, N>(model, kind, step_s, &design)?, samples, steps);
+        let mut loads: Vec<f64> = found.iter().map(|f| f.estimate.load.abs()).collect();
+        loads.sort_by(f64::total_cmp);
+        let most =
+            loads[(loads.len() - 1) * 99 / 100].clamp(0.02 * rating.load_nm, 4.0 * rating.load_nm);
+        let near = (most / rating.load_nm).ln().abs() < 0.3;
+        rating.load_nm = most;
+        if near {
+            break;
+        }
+    }
+    Ok(rating.load_nm)
+}
+
+/// What the observer is given of a log.
+pub fn samples(log: &Log, kind: Drive) -> Vec<Seen> {
+    let at = |column: &Option<Vec<f64>>, k: usize| {
+        column.as_ref().and_then(|values| values.get(k)).copied().unwrap_or(f64::NAN)
+    };
+    (0..log.len())
+        .map(|k| Seen {
+            drive: match kind {
+                Drive::Voltage => at(&log.voltage_v, k),
+                Drive::Current => at(&log.current_a, k),
+            },
+            current: if kind == Drive::Voltage { at(&log.current_a, k) } else { f64::NAN },
+            motor: log.motor_angle_rad.get(k).copied().unwrap_or(f64::NAN),
+            output: at(&log.output_angle_rad, k),
+        })
+        .collect()
+}

@@ -1,0 +1,313 @@
+//! What the host designs and the drive only uses.
+//!
+//! A steady-state filter corrects by constants. They are designed in SI, where a person can read
+//! them ([`Design`]), and turned once into the joint's own units ([`Gains`]), which travel in the
+//! parameter block.
+
+use crate::motor::Drive;
+use crate::observer::turn::Geared;
+use crate::params::{Motor, Stage};
+use crate::per_unit::Bases;
+use crate::scalar::Scalar;
+
+/// The measured channels: current, rotor angle, output angle.
+pub const CHANNELS: usize = 3;
+/// Sets of gains: one for each [`Regime`], without and with an output encoder.
+pub const SETS: usize = 4 * Regime::COUNT;
+
+/// What the joint is doing, as far as gains and standard deviations depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Regime {
+    /// It moves and the innovations are what noise makes them.
+    #[default]
+    Steady,
+    /// The innovations lean to one side: the load has changed.
+    Alert,
+    /// The load has kept changing for some time.
+    Lively,
+    /// The rotor is held by its own friction; what lies beyond is seen by an output encoder only.
+    Held,
+}
+
+impl Regime {
+    /// How many there are.
+    pub const COUNT: usize = 4;
+
+    /// Whether a row is one with an output encoder.
+    pub const fn sees(row: usize) -> bool {
+        (row / Self::COUNT) % 2 == 1
+    }
+
+    /// The set of gains, or row of standard deviations, that belongs to it.
+    #[inline(always)]
+    pub const fn row(self, output: bool, bent: bool) -> usize {
+        self as usize
+            + if output { Self::COUNT } else { 0 }
+            + if bent { 2 * Self::COUNT } else { 0 }
+    }
+}
+
+/// One value for every quantity that the observer carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = "G: crate::scalar::Wire"))]
+pub struct Column<G, const N: usize> {
+    /// Current, A.
+    pub current: G,
+    /// Rotor angle, rad.
+    pub angle: G,
+    /// Rotor speed, rad/s.
+    pub speed: G,
+    /// Rotor bristle ζ.
+    pub bristle: G,
+    /// The stages, reflected to the motor.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    pub stages: [StageRow<G>; N],
+    /// Load torque at the output, Nm.
+    pub load: G,
+    /// Its change in a step, Nm.
+    pub slope: G,
+    /// Drive beside the applied one, V (A where the current is imposed).
+    pub bias: G,
+}
+
+impl<G: Copy, const N: usize> Column<G, N> {
+    /// The same value for everything.
+    pub fn filled(value: G) -> Self {
+        let row = StageRow { deflection: value, speed: value, bristle: value };
+        Self {
+            current: value,
+            angle: value,
+            speed: value,
+            bristle: value,
+            stages: [row; N],
+            load: value,
+            slope: value,
+            bias: value,
+        }
+    }
+}
+
+/// One value for every quantity of a stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = "G: crate::scalar::Wire"))]
+pub struct StageRow<G> {
+    /// Deflection of its spring, rad.
+    pub deflection: G,
+    /// Speed of the mass behind it, rad/s.
+    pub speed: G,
+    /// Bristle ζ of that mass.
+    pub bristle: G,
+}
+
+/// One standard deviation of everything that is estimated, each at its own side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = "G: crate::scalar::Wire"))]
+pub struct Spread<G, const N: usize> {
+    /// Rotor speed, rad/s.
+    pub motor_velocity: G,
+    /// Friction torque of the whole joint at the motor, Nm.
+    pub total_friction: G,
+    /// Wind-up of every stage, rad.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    pub windup: [G; N],
+    /// Output angle, rad.
+    pub output_angle: G,
+    /// Output speed, rad/s.
+    pub output_velocity: G,
+    /// Load torque, Nm.
+    pub load: G,
+}
+
+impl<G: Copy, const N: usize> Spread<G, N> {
+    /// The same value for everything.
+    pub fn filled(value: G) -> Self {
+        Self {
+            motor_velocity: value,
+            total_friction: value,
+            windup: [value; N],
+            output_angle: value,
+            output_velocity: value,
+            load: value,
+        }
+    }
+}
+
+/// A designed observer in SI: gains are corrections for one standard deviation of an innovation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design<const N: usize> {
+    /// By [`Regime::row`] and channel.
+    pub sets: [[Column<f64, N>; CHANNELS]; SETS],
+    /// Wind-up of the last stage from which the gains are those of a bent spring, rad.
+    pub bent: f64,
+    /// One standard deviation of the innovations: A, rad of the rotor, rad of the output.
+    pub sigma: [f64; CHANNELS],
+    /// How many of them a measurement may be off before it is taken for a glitch.
+    pub gate: f64,
+    /// Share of the load's slope that is left after a step, by regime.
+    pub leak: [f64; Regime::COUNT],
+    /// Weights that make of the innovations one number of variance one that leans with the load,
+    /// without and with an output encoder.
+    pub lean: [[f64; CHANNELS]; 2],
+    /// Share by which the running mean of that number follows it.
+    pub follow: f64,
+    /// From how large a mean on the load has changed.
+    pub alarm: f64,
+    /// How many steps it is then taken to be changing.
+    pub hold: u16,
+    /// Share by which the running mean of alarms follows them.
+    pub often: f64,
+    /// From which share of alarms on the load is lively, and for how many steps.
+    pub lively: (f64, u16),
+    /// Steps after which a start is forgotten, and over which innovations are judged.
+    pub settled: u16,
+    /// Mean of the sum of squared innovations, in standard deviations and clipped to 4, from which
+    /// on they are too large for the design.
+    pub strange: f64,
+    /// Largest load believed, Nm.
+    pub most_load_nm: f64,
+    /// Largest drive believed to be missing, V or A.
+    pub most_bias: f64,
+    /// Where the current sensor ends, A; infinite where it does not.
+    pub most_current_a: f64,
+    /// Standard deviations by [`Regime::row`].
+    pub spread: [Spread<f64, N>; SETS],
+}
+
+/// Numbers that scale one channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub(crate) struct Whiten<S: Scalar> {
+    /// One over the innovation's standard deviation, per-unit or in turns.
+    pub(crate) per_sigma: S::Gain,
+    /// The largest innovation believed, in the same unit.
+    pub(crate) gate: S,
+}
+
+/// A designed observer in the units of its joint.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub struct Gains<S: Scalar, const N: usize> {
+    pub(crate) sets: [[Column<S::Gain, N>; CHANNELS]; SETS],
+    pub(crate) bent: S,
+    pub(crate) whiten: [Whiten<S>; CHANNELS],
+    pub(crate) leak: [S::Gain; Regime::COUNT],
+    pub(crate) lean: [[S::Gain; CHANNELS]; 2],
+    pub(crate) follow: S::Gain,
+    pub(crate) alarm: S,
+    pub(crate) hold: u16,
+    pub(crate) often: S::Gain,
+    pub(crate) lively: (S, u16),
+    pub(crate) settled: u16,
+    pub(crate) settle: S::Gain,
+    pub(crate) strange: S,
+    pub(crate) most_load: S,
+    pub(crate) most_bias: S,
+    pub(crate) most_current: S,
+    pub(crate) most_drive: S,
+    pub(crate) most_speed: S,
+    /// Per-unit current of an ampere.
+    pub(crate) per_ampere: S::Gain,
+    /// Per-unit speed of a turn in a step.
+    pub(crate) per_turn: S::Gain,
+    /// The output's turns in a turn of the rotor.
+    pub(crate) shaft: S::Gain,
+    pub(crate) geared: Geared,
+    /// SI of one per-unit: output speed, load, and each wind-up.
+    pub(crate) output_speed: S::Gain,
+    pub(crate) load: S::Gain,
+    /// Volts (amperes where the current is imposed) of one per-unit of drive.
+    pub(crate) drive: S::Gain,
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    pub(crate) windup: [S::Gain; N],
+    pub(crate) spread: [Spread<S, N>; SETS],
+}
+
+impl<S: Scalar, const N: usize> Gains<S, N> {
+    /// In the units of a joint of these parameters that takes steps of `step_s` seconds.
+    pub fn new(
+        design: &Design<N>,
+        motor: &Motor,
+        stages: &[Stage; N],
+        drive: Drive,
+        step_s: f64,
+    ) -> Self {
+        let turn = core::f64::consts::TAU;
+        let units = Bases::of(motor, stages, step_s);
+        let shaft = units.shaft(N);
+        let drive = match drive {
+            Drive::Voltage => units.resistance * units.current,
+            Drive::Current => units.current,
+        };
+        let mut stage = 0;
+        let windup = [(); N].map(|()| {
+            stage += 1;
+            S::gain(units.shaft(stage) * units.angle)
+        });
+        let column = |c: &Column<f64, N>| Column {
+            current: S::gain(c.current / units.current),
+            angle: S::gain(c.angle / turn),
+            speed: S::gain(c.speed / units.speed),
+            bristle: S::gain(c.bristle),
+            stages: c.stages.map(|row| StageRow {
+                deflection: S::gain(row.deflection / units.angle),
+                speed: S::gain(row.speed / units.speed),
+                bristle: S::gain(row.bristle),
+            }),
+            load: S::gain(c.load * shaft / units.torque),
+            slope: S::gain(c.slope * shaft / units.torque),
+            bias: S::gain(c.bias / drive),
+        };
+        let [current, motor, output] = design.sigma;
+        let whiten = [current / units.current, motor / turn, output / turn].map(|sigma| Whiten {
+            per_sigma: S::gain(1.0 / sigma),
+            gate: S::from_f64((design.gate * sigma).min(MOST_INNOVATION)),
+        });
+        let spread = |s: &Spread<f64, N>| Spread {
+            motor_velocity: S::from_f64(s.motor_velocity),
+            total_friction: S::from_f64(s.total_friction),
+            windup: s.windup.map(S::from_f64),
+            output_angle: S::from_f64(s.output_angle),
+            output_velocity: S::from_f64(s.output_velocity),
+            load: S::from_f64(s.load),
+        };
+        Self {
+            sets: design.sets.each_ref().map(|set| set.each_ref().map(column)),
+            bent: S::from_f64((design.bent / units.angle_at(N)).abs().min(LARGE)),
+            whiten,
+            leak: design.leak.map(S::gain),
+            lean: design.lean.map(|row| row.map(S::gain)),
+            follow: S::gain(design.follow),
+            alarm: S::from_f64(design.alarm),
+            hold: design.hold,
+            often: S::gain(design.often),
+            lively: (S::from_f64(design.lively.0), design.lively.1),
+            settled: design.settled,
+            settle: S::gain(1.0 / f64::from(design.settled.max(2))),
+            strange: S::from_f64(design.strange),
+            most_load: S::from_f64(design.most_load_nm * libm::fabs(shaft) / units.torque),
+            most_bias: S::from_f64(design.most_bias / drive),
+            most_current: S::from_f64((design.most_current_a / units.current).min(LARGE)),
+            most_drive: S::from_f64(LARGE),
+            most_speed: S::from_f64(LARGE),
+            per_ampere: S::gain(1.0 / units.current),
+            per_turn: S::gain(turn / (units.speed * step_s)),
+            shaft: S::gain(shaft),
+            geared: Geared::new(shaft),
+            output_speed: S::gain(shaft * units.speed),
+            load: S::gain(units.torque / shaft),
+            drive: S::gain(drive),
+            windup,
+            spread: design.spread.each_ref().map(spread),
+        }
+    }
+}
+
+/// A larger innovation of an angle, in turns, is not told from one the other way round.
+const MOST_INNOVATION: f64 = 0.45;
+/// A larger per-unit current, drive or speed is no joint's.
+const LARGE: f64 = 100.0;

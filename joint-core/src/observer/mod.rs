@@ -1,0 +1,95 @@
+//! The observer: what no sensor on the drive measures.
+//!
+//! One model step predicts, a few dozen multiply-adds correct: the gains are designed on the host
+//! ([`Design`]) and constant within a [`Regime`], so an update costs a fifth of a full Kalman filter
+//! and always the same. Beside the joint's own state it carries the load torque and its slope, and a
+//! voltage that the drive did not mean to put out, without which every ohm that is off would pass
+//! for a load.
+//!
+//! ```text
+//! state ← step(state, u + bias, load + slope),  load ← load + slope,  slope ← leak · slope
+//! (state, load, slope, bias) ← … + Σ_c K_c(regime) · (y_c − ŷ_c)/σ_c
+//! ```
+//!
+//! An [`Observer`] never changes; a [`Track`] is what moves. In the drive's interrupt:
+//!
+//! ```ignore
+//! let status = observer.update(&mut track, &Sample { drive, current, motor, output });
+//! let estimate = observer.estimate(&track);
+//! ```
+
+mod estimate;
+mod gains;
+mod health;
+mod turn;
+mod update;
+
+pub use estimate::Estimate;
+pub use gains::{CHANNELS, Column, Design, Gains, Regime, SETS, Spread, StageRow};
+pub use health::Status;
+pub use turn::{Encoder, Geared, Turn};
+
+use crate::joint::{Input, Joint, State};
+use crate::scalar::Scalar;
+
+/// What the drive knows at one sampling instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample<S> {
+    /// Voltage on the two conducting phases from this instant on, V: duty times bus voltage as
+    /// measured. Where the drive imposes the current, that current, A.
+    pub drive: S,
+    /// Measured current, A; `None` where it was not measured. Not used where it is imposed.
+    pub current: Option<S>,
+    /// Rotor angle; `None` where the sample was lost.
+    pub motor: Option<Turn>,
+    /// Output angle; `None` where there is no such encoder, or the sample was lost.
+    pub output: Option<Turn>,
+}
+
+/// An observer of a joint of `N` stages with effects `E`: constants only.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = "E: crate::scalar::Wire"))]
+pub struct Observer<S: Scalar, const N: usize, E = ()> {
+    /// The model.
+    pub joint: Joint<S, N, E>,
+    /// What corrects it.
+    pub gains: Gains<S, N>,
+}
+
+/// What an observer remembers of one joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Track<S, const N: usize> {
+    /// The joint's state.
+    pub state: State<S, N>,
+    /// Load, per-unit at the motor.
+    pub load: S,
+    /// Its change in a step.
+    pub slope: S,
+    /// Drive beside the applied one, per-unit.
+    pub bias: S,
+    input: Input<S>,
+    /// Running mean of the innovations' lean.
+    lean: S,
+    /// Steps left in [`Regime::Alert`].
+    alert: u16,
+    /// Running share of alarms, and steps left in [`Regime::Lively`].
+    often: S,
+    lively: u16,
+    /// Steps for which friction has held the rotor.
+    held: u16,
+    /// Running mean of the innovations' square, and how long it has been too large.
+    energy: S,
+    /// Rotor angles one after the other that were not believed.
+    doubts: u16,
+    /// Samples since the last rotor angle that was believed.
+    missed: u16,
+    /// Samples since the last output angle that was believed.
+    output_missed: u16,
+    /// Samples since the start.
+    age: u16,
+    last: Sample<S>,
+    status: Status,
+    row: u8,
+    regime: Regime,
+}

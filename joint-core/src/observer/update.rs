@@ -1,0 +1,338 @@
+//! One update: predict, look, doubt, correct.
+//!
+//! What a drive's interrupt may meet stands here: samples lost or repeated, an encoder that jumps, a
+//! current sensor at its end, a number that is none. Nothing of it enters the state; each raises a
+//! flag, the estimates stay within their bounds, and the next good sample is taken up without a
+//! reset.
+
+use super::gains::{CHANNELS, Column, Gains, Regime};
+use super::health::Status;
+use super::turn::Turn;
+use super::{Observer, Sample, Track};
+use crate::effect::Effects;
+use crate::joint::{Input, State};
+use crate::scalar::Scalar;
+
+/// Rotor angles that may be off, one after the other, before the estimate is given up.
+const DOUBTS: u16 = 4;
+/// Samples without a rotor angle after which there is no estimate.
+const SILENCE: u16 = 500;
+/// Samples without an output angle after which the gains are those without that encoder.
+const OUTPUT_SILENCE: u16 = 3;
+/// Steps over which the first speed is measured where one step is too short for it.
+const FIRST: u16 = 8;
+/// Steps for which friction must have held the rotor before that is a rest and no reversal.
+const STILL: u16 = 10;
+/// Innovations count as these many standard deviations at most in the running mean of squares.
+const CLIP: u8 = 4;
+
+impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
+    /// An observer that knows nothing yet but the rotor's whole turns since both encoders were
+    /// zeroed together.
+    pub fn start(&self, rotor_turns: i32) -> Track<S, N> {
+        let mut state = self.joint.rest();
+        state.angle.whole = rotor_turns;
+        Track {
+            state,
+            load: S::ZERO,
+            slope: S::ZERO,
+            bias: S::ZERO,
+            input: Input::default(),
+            lean: S::ZERO,
+            alert: 0,
+            often: S::ZERO,
+            lively: 0,
+            held: 0,
+            energy: S::ZERO,
+            doubts: 0,
+            missed: 0,
+            output_missed: OUTPUT_SILENCE,
+            age: 0,
+            last: Sample::default(),
+            status: Status::LOST,
+            row: 0,
+            regime: Regime::Steady,
+        }
+    }
+
+    /// Takes one sampling instant: moves the estimate to it and corrects it by what was measured.
+    pub fn update(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
+        let status = if track.age < FIRST {
+            self.acquire(track, sample)
+        } else {
+            self.predict(track);
+            self.correct(track, sample)
+        };
+        let held = self.joint.input(sample.drive, S::ZERO);
+        let drive = held.drive.abs() <= self.gains.most_drive;
+        if drive {
+            track.input = held;
+        }
+        track.last = *sample;
+        track.status = status.with_if(!drive, Status::NO_DRIVE);
+        track.status
+    }
+
+    /// One step of the model.
+    #[inline(always)]
+    fn predict(&self, track: &mut Track<S, N>) {
+        track.load = track.load + track.slope;
+        if let Some(leak) = self.gains.leak.get(track.regime as usize) {
+            track.slope = track.slope.times(*leak);
+        }
+        let drive = track.input.drive + track.bias;
+        self.joint.step(&mut track.state, Input { drive, load: track.load });
+    }
+
+    /// Innovations in standard deviations, zero where there is none to believe; and the flags that
+    /// go with them.
+    #[inline(always)]
+    fn innovations(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> ([S; CHANNELS], Status) {
+        let gains = &self.gains;
+        let state = &track.state;
+        let [by_current, by_motor, by_output] = &gains.whiten;
+        let mut status = Status::OK;
+        let mut found = [S::ZERO; CHANNELS];
+        let [current, motor, output] = &mut found;
+
+        let ahead = sample.motor.map(|turn| motor_ahead(&self.joint.effects, state, turn));
+        match ahead {
+            Some(ahead) if ahead.abs() <= by_motor.gate => {
+                *motor = ahead.times(by_motor.per_sigma);
+                track.missed = 0;
+                track.doubts = 0;
+            }
+            Some(_) => {
+                status = status.with(Status::GLITCH);
+                track.doubts = track.doubts.saturating_add(1);
+                track.missed = track.missed.saturating_add(1);
+            }
+            None => {
+                status = status.with(Status::COASTING);
+                track.missed = track.missed.saturating_add(1);
+            }
+        }
+
+        if let Some(turn) = sample.output
+            && N > 0
+        {
+            let ahead = output_ahead(&self.joint.effects, gains, self.joint.turns, state, turn);
+            if ahead.abs() <= by_output.gate {
+                *output = ahead.times(by_output.per_sigma);
+                track.output_missed = 0;
+            } else {
+                status = status.with(Status::GLITCH);
+                track.output_missed = track.output_missed.saturating_add(1);
+            }
+        } else {
+            track.output_missed = track.output_missed.saturating_add(1);
+        }
+
+        if !self.joint.current_imposed {
+            match sample.current.map(|amperes| amperes.times(gains.per_ampere)) {
+                Some(measured) if measured.abs() < gains.most_current => {
+                    let shown = self.joint.effects.measured_current(state.current);
+                    let ahead = bounded(measured - shown, by_current.gate);
+                    *current = ahead.times(by_current.per_sigma);
+                }
+                _ => status = status.with(Status::NO_CURRENT),
+            }
+        }
+
+        let same = sample.motor == track.last.motor
+            && sample.output == track.last.output
+            && sample.current == track.last.current;
+        if same && motor.abs() > S::ONE + S::ONE + S::ONE {
+            found = [S::ZERO; CHANNELS];
+            status = status.with(Status::REPEATED);
+        }
+        (found, status)
+    }
+
+    #[inline(always)]
+    fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
+        let gains = &self.gains;
+        let (found, mut status) = self.innovations(track, sample);
+        let seen = N > 0 && track.output_missed < OUTPUT_SILENCE;
+
+        let mut lean = S::ZERO;
+        let mut energy = S::ZERO;
+        let most = S::from_small(CLIP);
+        let [without, with] = &gains.lean;
+        for (innovation, weight) in found.iter().zip(if seen { with } else { without }) {
+            lean = lean + innovation.times(*weight);
+            let clipped = bounded(*innovation, most);
+            energy = energy + clipped * clipped;
+        }
+        track.lean = track.lean + (lean - track.lean).times(gains.follow);
+        track.energy = track.energy + (energy - track.energy).times(gains.settle);
+        let alarm = track.lean.abs() > gains.alarm;
+        track.alert = if alarm { gains.hold } else { track.alert.saturating_sub(1) };
+        let heard = if alarm { S::ONE } else { S::ZERO };
+        track.often = track.often + (heard - track.often).times(gains.often);
+        let (most, hold) = gains.lively;
+        track.lively = if track.often > most { hold } else { track.lively.saturating_sub(1) };
+
+        let held = track.state.rotor.bristle.bending > S::HALF;
+        let last = track.state.stages.last();
+        let bent = last.is_some_and(|stage| stage.deflection.abs() > gains.bent);
+        let regime = if held {
+            Regime::Held
+        } else if track.lively > 0 {
+            Regime::Lively
+        } else if track.alert > 0 {
+            Regime::Alert
+        } else {
+            Regime::Steady
+        };
+        track.regime = regime;
+        track.held = if held { track.held.saturating_add(1) } else { 0 };
+        let row = regime.row(seen, bent);
+        track.row = row as u8;
+        if let Some(set) = gains.sets.get(row) {
+            apply(track, set, &found);
+        }
+        self.joint.reload(&mut track.state);
+
+        let (load, bias) = (track.load, track.bias);
+        track.load = bounded(load, gains.most_load);
+        track.bias = bounded(bias, gains.most_bias);
+        let starting = track.age < gains.settled;
+        track.age = track.age.saturating_add(1);
+        status = status
+            .with_if(load != track.load || bias != track.bias, Status::BOUNDED)
+            .with_if(track.energy > gains.strange, Status::MISMATCH)
+            .with_if(starting, Status::STARTING)
+            .with_if(track.held > STILL && !seen, Status::UNOBSERVABLE)
+            .with_if(track.missed > SILENCE, Status::LOST);
+        let sound = track.state.rotor.speed.abs() <= gains.most_speed;
+        if !sound || track.doubts > DOUBTS || track.missed > SILENCE {
+            let turns = track.state.angle.whole;
+            let last = track.last;
+            *track = Track { last, status, ..self.start(turns) };
+        }
+        status
+    }
+
+    /// The first samples: an angle, then a speed.
+    #[inline(never)]
+    fn acquire(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
+        let status = Status::LOST.with(Status::STARTING);
+        let Some(turn) = sample.motor else {
+            track.age = 0;
+            return status.with(Status::COASTING);
+        };
+        let moved = motor_ahead(&self.joint.effects, &track.state, turn);
+        if track.age == 0 {
+            track.state.angle.part = S::ZERO;
+            let here = S::from_turn_counts(turn.0 as i32);
+            track.state.angle.advance(here);
+            track.age = 1;
+            return status;
+        }
+        let [_, motor, _] = &self.gains.whiten;
+        let last = track.age == 1;
+        let fast = moved.times(motor.per_sigma).abs() > S::from_small(CLIP + CLIP);
+        if !(last && fast) && track.age + 1 < FIRST {
+            track.age += 1;
+            return status;
+        }
+        let eighth = S::HALF * S::HALF * S::HALF;
+        let speed = if last && fast { moved } else { moved * eighth }.times(self.gains.per_turn);
+        let state = &mut track.state;
+        state.angle.advance(moved);
+        state.rotor.speed = speed;
+        let slipping = if speed < S::ZERO { -S::ONE } else { S::ONE };
+        let slipping = if fast { slipping } else { S::ZERO };
+        state.rotor.bristle.zeta = slipping;
+        for stage in &mut state.stages {
+            stage.mass.speed = speed;
+            stage.mass.bristle.zeta = slipping;
+        }
+        if let Some(amperes) = sample.current {
+            let measured = amperes.times(self.gains.per_ampere);
+            if measured.abs() < self.gains.most_current {
+                state.current = measured;
+            }
+        }
+        self.joint.refresh(state);
+        track.alert = self.gains.hold;
+        track.age = FIRST;
+        Status::STARTING
+    }
+}
+
+/// By how much the measured rotor angle is ahead of the estimated one, in turns.
+#[inline(always)]
+fn motor_ahead<S: Scalar, const N: usize, E: Effects<S>>(
+    effects: &E,
+    state: &State<S, N>,
+    turn: Turn,
+) -> S {
+    let shown = state.angle.part + effects.encoder_error(false, state.angle, state.rotor.speed);
+    (S::from_turn_counts(turn.0 as i32) - shown).split_turns().1
+}
+
+/// By how much the measured output angle is ahead of the estimated one, in turns of the output.
+#[inline(always)]
+fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
+    effects: &E,
+    gains: &Gains<S, N>,
+    turns: S::Gain,
+    state: &State<S, N>,
+    turn: Turn,
+) -> S {
+    let wound = state.stages.iter().fold(S::ZERO, |sum, stage| sum + stage.deflection);
+    let part = (state.angle.part - wound.times(turns)).times(gains.shaft);
+    let speed = state.stages.last().map_or(S::ZERO, |stage| stage.mass.speed);
+    let angle = crate::angle::Angle { part, ..Default::default() };
+    let shown = part + effects.encoder_error(true, angle, speed);
+    let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
+    (beyond - shown).split_turns().1
+}
+
+/// Adds the gains times the innovations.
+#[inline(always)]
+fn apply<S: Scalar, const N: usize>(
+    track: &mut Track<S, N>,
+    [first, second, third]: &[Column<S::Gain, N>; CHANNELS],
+    found: &[S; CHANNELS],
+) {
+    let [current, motor, output] = *found;
+    let sum = |a: S::Gain, b: S::Gain, c: S::Gain| {
+        current.times(a) + motor.times(b) + if N > 0 { output.times(c) } else { S::ZERO }
+    };
+    macro_rules! add {
+        ($value:expr, $($field:tt)+) => {
+            $value = $value + sum(first.$($field)+, second.$($field)+, third.$($field)+)
+        };
+    }
+    let state = &mut track.state;
+    add!(state.current, current);
+    state.angle.advance(sum(first.angle, second.angle, third.angle));
+    add!(state.rotor.speed, speed);
+    add!(state.rotor.bristle.zeta, bristle);
+    let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
+    for (stage, ((a, b), c)) in state.stages.iter_mut().zip(rows) {
+        stage.deflection = stage.deflection + sum(a.deflection, b.deflection, c.deflection);
+        stage.mass.speed = stage.mass.speed + sum(a.speed, b.speed, c.speed);
+        stage.mass.bristle.zeta = stage.mass.bristle.zeta + sum(a.bristle, b.bristle, c.bristle);
+    }
+    add!(track.load, load);
+    add!(track.slope, slope);
+    add!(track.bias, bias);
+}
+
+/// The value within ± `most`; zero where it is no number.
+#[inline(always)]
+fn bounded<S: Scalar>(value: S, most: S) -> S {
+    if value.abs() <= most {
+        value
+    } else if value > most {
+        most
+    } else if value < -most {
+        -most
+    } else {
+        S::ZERO
+    }
+}
