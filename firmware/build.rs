@@ -11,8 +11,8 @@ fn main() {
     if std::env::var_os("CARGO_FEATURE_DRIVE").is_some() {
         println!("cargo:rustc-link-arg-bin=drive=-Tdefmt.x");
     }
-    if std::env::var_os("CARGO_FEATURE_STM32F405").is_some() {
-        println!("cargo:rustc-link-arg-bins=--defsym=_board_f405=1");
+    if std::env::var_os("CARGO_FEATURE_STM32G431").is_some() {
+        println!("cargo:rustc-link-arg-bins=--defsym=_board_g431=1");
     }
     if std::env::var_os("CARGO_FEATURE_MPS2").is_some() {
         println!("cargo:rustc-link-arg-bins=--defsym=_board_mps2=1");

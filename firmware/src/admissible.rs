@@ -23,39 +23,51 @@ enum Rule {
 /// No coefficient is larger: the step multiplies three of them.
 const LARGEST: f32 = 1e12;
 
-/// The rules by the name of the field; what is not named must be finite.
-const RULES: &[(&str, Rule)] = &[
-    ("micro_steps", Rule::Whole(1, joint_core::joint::MAX_MICRO_STEPS as u64)),
-    ("half_drift", Rule::Positive),
-    ("half_turn", Rule::Positive),
-    ("turns", Rule::Positive),
-    ("per_stribeck_velocity", Rule::NotNegative),
-    ("beta", Rule::Between(-1.0 + 1e-7, LARGEST)),
-    ("kappa", Rule::NotNegative),
-    ("level", Rule::NotNegative),
-    ("stiffness", Rule::NotNegative),
-    ("sigma1", Rule::NotNegative),
-    ("sigma2", Rule::NotNegative),
-    ("rotor_gamma", Rule::NotNegative),
-    ("gamma", Rule::NotNegative),
-    ("mobility", Rule::Positive),
-    ("per_torque", Rule::Positive),
-    ("induced", Rule::Between(0.0, 2.0)),
-    ("decay", Rule::Between(0.0, 1.0)),
-    ("approach", Rule::Between(0.0, 1.0)),
-    ("linear", Rule::NotNegative),
-    ("cubic", Rule::NotNegative),
-    ("current", Rule::Positive),
-    ("speed", Rule::Positive),
-    ("torque", Rule::Positive),
-    ("angle", Rule::Positive),
-    ("sample_time_s", Rule::Between(1e-6, 0.1)),
-    ("motor_counts_per_turn", Rule::Whole(1, 1 << 24)),
-    ("output_counts_per_turn", Rule::Whole(0, 1 << 24)),
-    ("pole_pairs", Rule::Whole(1, 1 << 10)),
-    ("largest_voltage_v", Rule::Positive),
-    ("largest_current_a", Rule::Positive),
-    ("largest_move_counts", Rule::Whole(1, 1 << 24)),
+/// The rules by the name of the structure, any where none stands, and of the field; what is not named
+/// must be finite.
+const RULES: &[(&str, &str, Rule)] = &[
+    ("", "micro_steps", Rule::Whole(1, joint_core::joint::MAX_MICRO_STEPS as u64)),
+    ("", "half_drift", Rule::Positive),
+    ("", "half_turn", Rule::Positive),
+    ("", "turns", Rule::Positive),
+    ("", "per_stribeck_velocity", Rule::NotNegative),
+    ("", "beta", Rule::Between(-1.0 + 1e-7, LARGEST)),
+    ("", "kappa", Rule::NotNegative),
+    ("Friction", "level", Rule::NotNegative),
+    ("Friction", "stiffness", Rule::NotNegative),
+    ("", "sigma1", Rule::NotNegative),
+    ("", "sigma2", Rule::NotNegative),
+    ("", "rotor_gamma", Rule::NotNegative),
+    ("", "gamma", Rule::NotNegative),
+    ("", "mobility", Rule::Positive),
+    ("RotorKick", "per_torque", Rule::Positive),
+    ("RotorKick", "induced", Rule::Between(0.0, 2.0)),
+    ("RotorKick", "decay", Rule::Between(0.0, 1.0)),
+    ("RotorKick", "approach", Rule::Between(0.0, 1.0)),
+    ("Spring", "linear", Rule::NotNegative),
+    ("Spring", "cubic", Rule::NotNegative),
+    ("Units", "current", Rule::Positive),
+    ("Units", "speed", Rule::Positive),
+    ("Units", "torque", Rule::Positive),
+    ("Units", "angle", Rule::Positive),
+    ("", "sample_time_s", Rule::Between(1e-6, 0.1)),
+    ("", "motor_counts_per_turn", Rule::Whole(1, 1 << 24)),
+    ("", "output_counts_per_turn", Rule::Whole(0, 1 << 24)),
+    ("", "pole_pairs", Rule::Whole(1, 1 << 10)),
+    ("", "largest_voltage_v", Rule::Positive),
+    ("", "largest_current_a", Rule::Positive),
+    ("", "largest_move_counts", Rule::Whole(1, 1 << 24)),
+    ("", "per_sigma", Rule::NotNegative),
+    ("Whiten", "gate", Rule::NotNegative),
+    ("", "leak", Rule::Between(-1.0, 1.0)),
+    ("", "follow", Rule::Between(0.0, 1.0)),
+    ("", "settle", Rule::Between(0.0, 1.0)),
+    ("", "often", Rule::Between(0.0, 1.0)),
+    ("", "most_load", Rule::NotNegative),
+    ("", "most_bias", Rule::NotNegative),
+    ("", "most_current", Rule::Positive),
+    ("", "most_drive", Rule::Positive),
+    ("", "most_speed", Rule::Positive),
 ];
 
 /// Checks every number in there.
@@ -64,15 +76,16 @@ const RULES: &[(&str, Rule)] = &[
 /// The name of the first that is not admissible.
 pub fn check(value: &impl Serialize) -> Result<(), &'static str> {
     let rule = Rule::Finite;
-    match value.serialize(Walk { name: "value", rule }) {
+    match value.serialize(Walk { owner: "", name: "value", rule }) {
         Ok(()) => Ok(()),
         Err(Refused(name)) => Err(name),
     }
 }
 
-/// The value that is looked at: the name of the field that it is in, and its rule.
+/// The value that is looked at: the names of the structure and the field that it is in, and its rule.
 #[derive(Clone, Copy)]
 struct Walk {
+    owner: &'static str,
     name: &'static str,
     rule: Rule,
 }
@@ -96,15 +109,19 @@ impl ser::Error for Refused {
 }
 
 impl Walk {
-    fn field(name: &'static str) -> Self {
-        let rule = RULES.iter().find(|(own, _)| *own == name).map_or(Rule::Finite, |(_, r)| *r);
-        Self { name, rule }
+    #[inline(never)]
+    fn field(self, name: &'static str) -> Self {
+        let Self { owner, .. } = self;
+        let mut rules = RULES.iter();
+        let found = rules.find(|(of, own, _)| *own == name && (of.is_empty() || *of == owner));
+        Self { owner, name, rule: found.map_or(Rule::Finite, |(_, _, rule)| *rule) }
     }
 
     fn judge(self, admissible: bool) -> Result<(), Refused> {
         if admissible { Ok(()) } else { Err(Refused(self.name)) }
     }
 
+    #[inline(never)]
     fn whole(self, value: u64) -> Result<(), Refused> {
         self.judge(match self.rule {
             Rule::Whole(low, high) => (low..=high).contains(&value),
@@ -142,6 +159,7 @@ impl Serializer for Walk {
         serialize_i64 i64, serialize_char char, serialize_str &str, serialize_bytes &[u8],
     }
 
+    #[inline(never)]
     fn serialize_f32(self, value: f32) -> Result<(), Refused> {
         // Comparisons with a value that is no number are false.
         let finite = (-LARGEST..=LARGEST).contains(&value);
@@ -231,8 +249,8 @@ impl Serializer for Walk {
         Ok(self)
     }
 
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Self, Refused> {
-        Ok(self)
+    fn serialize_struct(self, owner: &'static str, _: usize) -> Result<Self, Refused> {
+        Ok(Self { owner, ..self })
     }
 
     fn serialize_struct_variant(
@@ -289,7 +307,7 @@ macro_rules! fields {
                 name: &'static str,
                 value: &T,
             ) -> Result<(), Refused> {
-                value.serialize(Walk::field(name))
+                value.serialize(self.field(name))
             }
 
             fn end(self) -> Result<(), Refused> {
@@ -322,6 +340,7 @@ impl ser::SerializeMap for Walk {
 mod tests {
     use joint_core::effect::{EffectParameters, Kind};
     use joint_core::joint::{Drive, Settings};
+    use joint_core::observer::{CHANNELS, Column, Design, Gains, Observer, Regime, SETS, Spread};
     use joint_core::params::{Friction, Load, Location, Motor, Stage};
     use serde_json::Value;
 
@@ -361,16 +380,39 @@ mod tests {
             &settings,
         )
         .unwrap();
-        Parameters { joint, sensing: Sensing::default() }
+        let design = Design {
+            sets: [[Column::filled(0.1); CHANNELS]; SETS],
+            bent: 0.01,
+            sigma: [0.01; CHANNELS],
+            gate: 8.0,
+            leak: [0.9; Regime::COUNT],
+            lean: [[0.5; CHANNELS]; 2],
+            follow: 0.1,
+            alarm: 3.0,
+            hold: 10,
+            often: 0.01,
+            lively: (0.2, 100),
+            settled: 100,
+            strange: 10.0,
+            most_load_nm: 5.0,
+            most_bias: 2.0,
+            most_current_a: 10.0,
+            spread: [Spread::filled(0.1); SETS],
+        };
+        let gains = Gains::new(&design, &motor, &[stage; 2], Drive::Voltage, 50e-6);
+        Parameters { observer: Observer { joint, gains }, sensing: Sensing::default() }
     }
 
-    /// Every number below a key, set in turn.
-    fn set(value: &Value, key: &str, wrong: &Value, inside: bool) -> Vec<Value> {
+    /// Every number below a key, set in turn; `owner` is the key of the structure that has it, any
+    /// where it is empty.
+    fn set(value: &Value, owner: &str, key: &str, wrong: &Value, here: (bool, bool)) -> Vec<Value> {
+        let (owned, inside) = here;
         match value {
             Value::Object(fields) => fields
                 .iter()
                 .flat_map(|(name, own)| {
-                    let changed = set(own, key, wrong, name == key);
+                    let here = (owner.is_empty() || name == owner, owned && name == key);
+                    let changed = set(own, owner, key, wrong, here);
                     changed.into_iter().map(move |own| {
                         let mut all = fields.clone();
                         all.insert(name.clone(), own);
@@ -380,7 +422,7 @@ mod tests {
                 .collect(),
             Value::Array(items) => (0..items.len())
                 .flat_map(|k| {
-                    let changed = set(&items[k], key, wrong, inside);
+                    let changed = set(&items[k], owner, key, wrong, here);
                     changed.into_iter().map(move |own| {
                         let mut all = items.clone();
                         all[k] = own;
@@ -401,14 +443,23 @@ mod tests {
     #[test]
     fn every_rule_has_coefficients_and_refuses_each_of_them_by_name() {
         let good = serde_json::to_value(parameters()).unwrap();
-        for (key, rule) in RULES {
+        for (owner, key, rule) in RULES {
+            // Structures by the keys that hold them.
+            let owner = match *owner {
+                "Units" => "units",
+                "Friction" => "friction",
+                "Spring" => "spring",
+                "RotorKick" => "middle",
+                "Whiten" => "whiten",
+                _ => "",
+            };
             let wrong = match rule {
                 Rule::Finite => continue,
                 Rule::NotNegative | Rule::Between(..) => Value::from(-3.0),
                 Rule::Positive => Value::from(0.0),
                 Rule::Whole(_, high) => Value::from(high + 1),
             };
-            let all = set(&good, key, &wrong, false);
+            let all = set(&good, owner, key, &wrong, (owner.is_empty(), false));
             assert!(!all.is_empty(), "{key} is the name of nothing");
             for bad in all {
                 let bad: Parameters<2> = serde_json::from_value(bad).unwrap();

@@ -4,7 +4,7 @@ use joint_core::telemetry::{Report, Sample, Status};
 
 use crate::block::{Block, BlockError};
 use crate::control::Control;
-use crate::parameters::{Parameters, Sensing};
+use crate::parameters::Sensing;
 
 /// The joint in operation. The tag is its own, so that one that is not started is zero.
 #[derive(Debug)]
@@ -19,33 +19,38 @@ pub enum AnyControl {
     /// Two stages.
     Two(Control<2>),
     /// Three stages.
+    #[cfg(feature = "three-stages")]
     Three(Control<3>),
 }
 
 impl AnyControl {
-    /// Reads a block in place: a joint is too large for a small stack to hold it twice. `standing`
-    /// is set in every report.
+    /// Reads a block in place: an observer is too large for a small stack to hold it twice.
+    /// `standing` is set in every report.
     ///
     /// # Errors
-    /// Why the block is refused; what stood here before goes on.
+    /// Why the block is refused; there is no observer then.
     pub fn read(&mut self, block: &Block<'_>, standing: Status) -> Result<(), BlockError> {
-        match block.stages {
-            0 => self.put(block, standing, Self::None),
-            1 => self.put(block, standing, Self::One),
-            2 => self.put(block, standing, Self::Two),
-            3 => self.put(block, standing, Self::Three),
-            more => Err(BlockError::Stages(more)),
+        self.make_room(block.stages)?;
+        match self {
+            Self::NotStarted => Ok(()),
+            Self::None(control) => control.read(block, standing),
+            Self::One(control) => control.read(block, standing),
+            Self::Two(control) => control.read(block, standing),
+            #[cfg(feature = "three-stages")]
+            Self::Three(control) => control.read(block, standing),
         }
     }
 
     #[inline(never)]
-    fn put<const N: usize>(
-        &mut self,
-        block: &Block<'_>,
-        standing: Status,
-        variant: fn(Control<N>) -> Self,
-    ) -> Result<(), BlockError> {
-        *self = variant(Control::new(Parameters::read(block)?, standing));
+    fn make_room(&mut self, stages: u8) -> Result<(), BlockError> {
+        match stages {
+            0 => *self = Self::None(Control::empty()),
+            1 => *self = Self::One(Control::empty()),
+            2 => *self = Self::Two(Control::empty()),
+            #[cfg(feature = "three-stages")]
+            3 => *self = Self::Three(Control::empty()),
+            more => return Err(BlockError::Stages(more)),
+        }
         Ok(())
     }
 
@@ -57,6 +62,7 @@ impl AnyControl {
             Self::None(control) => control.tick(sample, missed),
             Self::One(control) => control.tick(sample, missed),
             Self::Two(control) => control.tick(sample, missed),
+            #[cfg(feature = "three-stages")]
             Self::Three(control) => control.tick(sample, missed),
         }
     }
@@ -68,6 +74,7 @@ impl AnyControl {
             Self::None(control) => *control.sensing(),
             Self::One(control) => *control.sensing(),
             Self::Two(control) => *control.sensing(),
+            #[cfg(feature = "three-stages")]
             Self::Three(control) => *control.sensing(),
         }
     }

@@ -26,10 +26,12 @@ use serde::{Serialize, de::DeserializeOwned};
 pub const VERSION: u16 = 2;
 /// The oldest version that is still understood.
 pub const OLDEST_VERSION: u16 = 1;
-/// Room for a block: one flash page of the STM32G431.
-pub const PAGE_BYTES: usize = 2048;
-/// Where that page lies in an STM32's flash; `memory.x` ends the program's flash there.
-pub const PAGE_ADDRESS: u32 = 0x0801_f800;
+/// Room for a block: four flash pages of the STM32G431.
+pub const PAGE_BYTES: usize = 8192;
+/// Where they lie on the STM32G431; `memory.x` ends the program's flash there.
+pub const PAGE_ADDRESS_G431: u32 = 0x0801_e000;
+/// Where the block lies on the STM32F405.
+pub const PAGE_ADDRESS_F405: u32 = 0x0804_0000;
 /// Bytes before the payload.
 pub const HEADER_BYTES: usize = 12;
 /// Bytes after the payload.
@@ -228,12 +230,23 @@ impl<'a> Block<'a> {
         last(self.payload)
     }
 
-    /// The first value of the payload, and what comes after it.
+    /// Puts the first value of the payload into a place and gives what comes after it. What is large
+    /// is to stand on the stack no more often than it must.
     ///
     /// # Errors
     /// [`BlockError::Payload`] where it is not what `T` looks like.
-    pub fn take<T: DeserializeOwned>(&self) -> Result<(T, &'a [u8]), BlockError> {
-        postcard::take_from_bytes(self.payload).map_err(|_| BlockError::Payload)
+    #[inline(never)]
+    pub fn take_into<T: DeserializeOwned>(
+        &self,
+        place: &mut Option<T>,
+    ) -> Result<&'a [u8], BlockError> {
+        match postcard::take_from_bytes(self.payload) {
+            Ok((value, rest)) => {
+                *place = Some(value);
+                Ok(rest)
+            }
+            Err(_) => Err(BlockError::Payload),
+        }
     }
 }
 
@@ -275,7 +288,7 @@ mod tests {
         assert_eq!(Block::in_page(&[0xff; PAGE_BYTES]).unwrap_err(), BlockError::Empty);
         assert_eq!(Block::in_page(&[0; PAGE_BYTES]).unwrap_err(), BlockError::Magic);
         assert_eq!(Block::in_page(&page[..7]).unwrap_err(), BlockError::Magic);
-        for length in [u32::MAX, 2048, 13, 0] {
+        for length in [u32::MAX, 8192, 13, 0] {
             page[8..12].copy_from_slice(&length.to_le_bytes());
             assert!(Block::in_page(&page).is_err(), "length {length}");
         }

@@ -1,39 +1,83 @@
 //! One control period: a measurement in, a report out.
 //!
 //! This is all that the control interrupt runs, on every board, in the emulator and on the host;
-//! it asks no register and keeps no time. What is wrong with a measurement is found here, flagged,
-//! and kept out of the joint's state: a drive that estimates from a broken sensor must say so and
-//! go on.
+//! it asks no register and keeps no time. A measurement that its sensor cannot have shown is kept
+//! from the observer and flagged; what the observer itself doubts stands in the report's health.
 
-use joint_core::joint::State;
-use joint_core::telemetry::{Quantities, Report, Sample, Status};
+use core::f32::consts::TAU;
 
-use crate::parameters::{DriveJoint, Parameters, Sensing};
+use joint_core::observer::{self, Encoder, Estimate, Track};
+use joint_core::telemetry::{MAX_STAGES, Quantities, Report, Sample, Status};
 
-/// Share of a turn that the model may move while the encoder shows nothing.
-const STUCK_TURNS: f32 = 0.125;
+use crate::admissible;
+use crate::block::{self, Block, BlockError};
+use crate::parameters::{DriveObserver, Sensing};
 
-/// The joint of `N` stages as it runs in the drive.
+/// Most missed periods that the model makes good; after more the observer starts anew by itself.
+const MOST_MISSED: u32 = 8;
+
+/// The observer of a joint of `N` stages as it runs in the drive.
 #[derive(Debug)]
 pub struct Control<const N: usize> {
-    joint: DriveJoint<N>,
+    observer: Option<DriveObserver<N>>,
+    track: Option<Track<f32, N>>,
     sensing: Sensing,
-    current_imposed: bool,
+    motor: Option<Encoder>,
+    output: Option<Encoder>,
     standing: Status,
-    state: State<f32, N>,
     tick: u32,
     last: Option<Sample>,
-    moved_turns: f32,
 }
 
 impl<const N: usize> Control<N> {
-    /// The joint at rest; `standing` is set in every report.
-    pub fn new(parameters: Parameters<N>, standing: Status) -> Self {
-        let Parameters { joint, sensing } = parameters;
-        let state = joint.rest();
-        let current_imposed = joint.is_current_imposed();
-        let (tick, last, moved_turns) = (0, None, 0.0);
-        Self { joint, sensing, current_imposed, standing, state, tick, last, moved_turns }
+    /// A place for an observer: it reports nothing but zeros.
+    #[inline(always)]
+    pub fn empty() -> Self {
+        // No constant: that would be a copy of the whole place in flash.
+        Self {
+            observer: None,
+            track: None,
+            sensing: Sensing::DEFAULT,
+            motor: None,
+            output: None,
+            standing: Status(0),
+            tick: 0,
+            last: None,
+        }
+    }
+
+    /// Reads the parameters of a block of any known version, in place, checks them, and starts;
+    /// `standing` is set in every report.
+    ///
+    /// # Errors
+    /// The payload does not fit, or holds a value that the equations cannot take.
+    #[inline(never)]
+    pub fn read(&mut self, block: &Block<'_>, standing: Status) -> Result<(), BlockError> {
+        let read = self.parts(block);
+        if read.is_err() {
+            self.observer = None;
+        }
+        let Some(observer) = &self.observer else { return read };
+        let encoder = |counts: u32| i32::try_from(counts).ok().and_then(Encoder::new);
+        self.motor = encoder(self.sensing.motor_counts_per_turn);
+        self.output = encoder(self.sensing.output_counts_per_turn);
+        self.track = Some(observer.start(0));
+        self.standing = standing;
+        Ok(())
+    }
+
+    fn parts(&mut self, block: &Block<'_>) -> Result<(), BlockError> {
+        if usize::from(block.stages) != N {
+            return Err(BlockError::Stages(block.stages));
+        }
+        let rest = block.take_into(&mut self.observer)?;
+        self.sensing = match block.version {
+            1 => Sensing::DEFAULT,
+            _ => block::last(rest)?,
+        };
+        admissible::check(&self.observer)
+            .and_then(|()| admissible::check(&self.sensing))
+            .map_err(BlockError::Inadmissible)
     }
 
     /// The sensors.
@@ -45,44 +89,56 @@ impl<const N: usize> Control<N> {
     #[inline]
     pub fn tick(&mut self, sample: Sample, missed: u32) -> Report {
         let mut status = self.standing;
-        let sample = self.plausible(sample, &mut status);
         if missed > 0 {
             status = status.with(Status::LATE);
+            self.bridge(missed);
         }
-        let drive = if self.current_imposed { sample.current_a } else { sample.voltage_v };
-        self.joint.step(&mut self.state, self.joint.input(drive, 0.0));
-        if !self.is_finite() {
-            self.state = self.joint.rest();
-            status = status.with(Status::RESTARTED);
-        }
-        if self.is_stuck(sample) {
-            status = status.with(Status::ENCODER_STUCK);
-        }
+        let seen = self.seen(sample, &mut status);
+        let (Some(observer), Some(track)) = (&self.observer, &mut self.track) else {
+            return Report::default();
+        };
+        let health = observer.update(track, &seen);
+        let (estimates, deviations) = read(&observer.estimate(track));
         self.last = Some(sample);
         self.tick = self.tick.wrapping_add(missed);
         let report = Report {
             tick: self.tick,
             status,
+            health: health.bits(),
             stages: N as u8,
             sample,
-            estimates: self.estimates(),
-            deviations: Quantities::default(),
+            estimates,
+            deviations,
         };
         self.tick = self.tick.wrapping_add(1);
         report
     }
 
-    /// The sample with what no sensor can show replaced by the last good value.
-    fn plausible(&self, mut sample: Sample, status: &mut Status) -> Sample {
-        let last = self.last.unwrap_or_default();
+    /// Periods without a measurement, the drive held.
+    #[inline(never)]
+    fn bridge(&mut self, missed: u32) {
+        let drive = self.last.map_or(0.0, |last| self.drive(last));
+        let (Some(observer), Some(track)) = (&self.observer, &mut self.track) else { return };
+        for _ in 0..missed.min(MOST_MISSED) {
+            let nothing = observer::Sample { drive, ..observer::Sample::default() };
+            observer.update(track, &nothing);
+        }
+    }
+
+    fn drive(&self, sample: Sample) -> f32 {
+        let observer = self.observer.as_ref();
+        match observer.is_some_and(|observer| observer.joint.is_current_imposed()) {
+            true => sample.current_a,
+            false => sample.voltage_v,
+        }
+    }
+
+    /// The sample as the observer takes it, less what no sensor can have shown.
+    fn seen(&self, sample: Sample, status: &mut Status) -> observer::Sample<f32> {
         // What is no number is within no limit.
         let within = |value: f32, limit: f32| value.abs() <= limit;
-        if !within(sample.voltage_v, self.sensing.largest_voltage_v) {
-            sample.voltage_v = last.voltage_v;
-            *status = status.with(Status::MEASUREMENT);
-        }
-        if !within(sample.current_a, self.sensing.largest_current_a) {
-            sample.current_a = last.current_a;
+        let current = within(sample.current_a, self.sensing.largest_current_a);
+        if !current || !within(sample.voltage_v, self.sensing.largest_voltage_v) {
             *status = status.with(Status::MEASUREMENT);
         }
         if let Some(last) = self.last {
@@ -91,59 +147,38 @@ impl<const N: usize> Control<N> {
                 *status = status.with(Status::ENCODER_JUMP);
             }
         }
-        sample
+        observer::Sample {
+            drive: self.drive(sample),
+            current: current.then_some(sample.current_a),
+            motor: self.motor.map(|encoder| encoder.turn(sample.motor_counts)),
+            output: self.output.map(|encoder| encoder.turn(sample.output_counts)),
+        }
     }
+}
 
-    fn is_finite(&self) -> bool {
-        let State { current, angle, rotor, stages, .. } = &self.state;
-        let mut sum =
-            current.abs() + angle.part.abs() + rotor.speed.abs() + rotor.bristle.zeta.abs();
-        for stage in stages {
-            sum += stage.deflection.abs() + stage.mass.speed.abs() + stage.mass.bristle.zeta.abs();
-        }
-        sum.is_finite()
-    }
-
-    /// Whether the model has moved on while the encoder stood still.
-    fn is_stuck(&mut self, sample: Sample) -> bool {
-        let stands = self.last.is_some_and(|last| last.motor_counts == sample.motor_counts);
-        if stands {
-            let turns_per_s = self.joint.speed(&self.state, 0) * core::f32::consts::FRAC_1_PI * 0.5;
-            self.moved_turns += turns_per_s * self.sensing.sample_time_s;
-        } else {
-            self.moved_turns = 0.0;
-        }
-        self.moved_turns.abs() > STUCK_TURNS
-    }
-
-    /// As measured, or from the motor's where there is no output encoder.
-    fn output_angle(&self) -> f32 {
-        let sample = self.last.unwrap_or_default();
-        let turn = |counts: i32, per_turn: u32| {
-            core::f32::consts::TAU * (counts as f32 / per_turn.max(1) as f32)
-        };
-        match self.sensing.output_counts_per_turn {
-            0 => {
-                let motor = turn(sample.motor_counts, self.sensing.motor_counts_per_turn);
-                self.joint.output_angle(&self.state, motor)
-            }
-            per_turn => turn(sample.output_counts, per_turn),
-        }
-    }
-
-    fn estimates(&self) -> Quantities {
-        let (joint, state) = (&self.joint, &self.state);
-        let mut windup_rad = [0.0; 3];
-        for (k, windup) in windup_rad.iter_mut().enumerate() {
-            *windup = joint.windup(state, k);
-        }
-        Quantities {
-            motor_velocity_rad_per_s: joint.speed(state, 0),
-            total_friction_at_motor_nm: joint.total_friction_at_motor(state),
-            output_angle_rad: self.output_angle(),
-            output_velocity_rad_per_s: joint.output_velocity(state),
-            load_torque_nm: 0.0,
-            windup_rad,
-        }
-    }
+/// An estimate and its standard deviations as they are reported.
+fn read<const N: usize>(estimate: &Estimate<f32, N>) -> (Quantities, Quantities) {
+    let stages = |own: &[f32; N]| {
+        let mut all = [0.0; MAX_STAGES];
+        all.iter_mut().zip(own).for_each(|(to, from)| *to = *from);
+        all
+    };
+    let spread = &estimate.spread;
+    let estimates = Quantities {
+        motor_velocity_rad_per_s: estimate.motor_velocity,
+        total_friction_at_motor_nm: estimate.total_friction,
+        output_angle_rad: TAU * (estimate.output_turns as f32 + estimate.output_part),
+        output_velocity_rad_per_s: estimate.output_velocity,
+        load_torque_nm: estimate.load,
+        windup_rad: stages(&estimate.windup),
+    };
+    let deviations = Quantities {
+        motor_velocity_rad_per_s: spread.motor_velocity,
+        total_friction_at_motor_nm: spread.total_friction,
+        output_angle_rad: spread.output_angle,
+        output_velocity_rad_per_s: spread.output_velocity,
+        load_torque_nm: spread.load,
+        windup_rad: stages(&spread.windup),
+    };
+    (estimates, deviations)
 }

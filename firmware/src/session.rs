@@ -13,8 +13,8 @@ use crate::block::{Block, BlockError};
 use crate::link::Messages;
 use crate::parameters::Sensing;
 
-/// Samples in the capture ring: 51 ms at 20 kHz, and half the RAM.
-pub const CAPTURE_SAMPLES: usize = 1024;
+/// Samples in the capture ring: 26 ms at 20 kHz, and a quarter of the RAM.
+pub const CAPTURE_SAMPLES: usize = 512;
 /// Control periods between two reports until a command changes it: 1 kHz at 20 kHz.
 pub const DEFAULT_RATE: u16 = 20;
 

@@ -52,6 +52,7 @@
 
 pub mod angle;
 pub mod effect;
+pub mod fixed;
 pub mod friction;
 pub mod gear;
 pub mod joint;
@@ -60,7 +61,6 @@ pub mod observer;
 pub mod pace;
 pub mod params;
 pub mod per_unit;
-mod readout;
 pub mod scalar;
 mod step;
 pub mod telemetry;

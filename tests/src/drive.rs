@@ -7,6 +7,7 @@ use firmware::parameters::{DriveJoint, Parameters, Sensing};
 use firmware::session::Session;
 use joint_core::effect::EffectSet;
 use joint_core::joint::{Drive, Joint, Settings};
+use joint_core::observer::{Column, Design, Gains, Observer, Regime, SETS, Spread};
 use joint_core::params::{Friction, Load, Motor, Stage};
 use joint_core::telemetry::frame::{self, Frame, Reader};
 use joint_core::telemetry::{Command, Message, Sample, Status};
@@ -50,7 +51,46 @@ pub fn gear() -> [Stage; 2] {
         worm_lead_angle_rad: 0.0,
         worm_friction_coefficient: 0.0,
         friction: friction(coulomb),
+        ..Stage::default()
     })
+}
+
+/// Gains that follow this joint. They are put in by hand, the same for every regime: what is tested
+/// is where they are used, not how they are found.
+fn design() -> Design<2> {
+    let mut motor = Column::filled(0.0);
+    motor.angle = 4e-4;
+    motor.speed = 0.6;
+    motor.load = 1e-5;
+    motor.slope = 1e-8;
+    let mut output = Column::filled(0.0);
+    output.load = -2e-5;
+    for row in &mut output.stages {
+        row.deflection = -0.02;
+    }
+    let mut current = Column::filled(0.0);
+    current.current = 1e-4;
+    current.bias = 1e-4;
+    let turn = std::f64::consts::TAU / f64::from(COUNTS);
+    Design {
+        sets: [[current, motor, output]; SETS],
+        bent: 0.1,
+        sigma: [2e-3, turn, turn],
+        gate: 200.0,
+        leak: [0.95; Regime::COUNT],
+        lean: [[0.1, 0.9, 0.0], [0.1, 0.6, 0.3]],
+        follow: 0.02,
+        alarm: 4.0,
+        hold: 40,
+        often: 1e-3,
+        lively: (0.3, 400),
+        settled: 200,
+        strange: 40.0,
+        most_load_nm: 0.05,
+        most_bias: 1.0,
+        most_current_a: 2.0,
+        spread: [Spread::filled(0.1); SETS],
+    }
 }
 
 /// The drive's parameters for it.
@@ -60,6 +100,7 @@ pub fn gear() -> [Stage; 2] {
 pub fn parameters() -> Parameters<2> {
     let settings = Settings::new(Drive::Voltage, PERIOD_S);
     let joint = DriveJoint::new(&motor(), &gear(), &Load::default(), &settings).unwrap();
+    let gains = Gains::new(&design(), &motor(), &gear(), Drive::Voltage, PERIOD_S);
     let sensing = Sensing {
         motor_counts_per_turn: COUNTS,
         output_counts_per_turn: COUNTS,
@@ -68,7 +109,7 @@ pub fn parameters() -> Parameters<2> {
         largest_move_counts: 400,
         ..Sensing::default()
     };
-    Parameters { joint, sensing }
+    Parameters { observer: Observer { joint, gains }, sensing }
 }
 
 /// Parameters as a block.

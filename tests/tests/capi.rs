@@ -62,7 +62,8 @@ fn program(folder: &Path) -> PathBuf {
 
 /// An estimate as the C program writes its struct.
 fn bytes(report: &Report) -> Vec<u8> {
-    let mut bytes = [report.tick, u32::from(report.status.0)].map(u32::to_le_bytes).concat();
+    let mut bytes = report.tick.to_le_bytes().to_vec();
+    bytes.extend([report.status.0, report.health].map(u16::to_le_bytes).concat());
     for own in [&report.estimates, &report.deviations] {
         let numbers = [
             own.motor_velocity_rad_per_s,

@@ -8,7 +8,7 @@ use firmware::block::PAGE_BYTES;
 use joint_tests::elf::Program;
 use joint_tests::qemu::{self, Board};
 
-/// Flash of the smaller chip, but for the page of the parameters.
+/// Flash of the smaller chip, but for the pages of the parameters.
 const FLASH: u64 = 128 * 1024 - PAGE_BYTES as u64;
 /// Its RAM.
 const RAM: u64 = 32 * 1024;

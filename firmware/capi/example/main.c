@@ -5,7 +5,7 @@
 #include "../joint.h"
 
 static joint_t joint;
-static uint8_t block[2048];
+static uint8_t block[8192];
 
 static int fail(const char *what, int32_t code) {
     printf("error: %s: %ld\n", what, (long)code);

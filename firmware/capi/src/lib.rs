@@ -14,7 +14,7 @@ use firmware::block::Block;
 use joint_core::telemetry::{Report, Status};
 
 /// Eight-byte words of a joint.
-pub const JOINT_WORDS: usize = 320;
+pub const JOINT_WORDS: usize = 768;
 /// Most gear stages.
 pub const JOINT_STAGES: usize = 3;
 
@@ -71,7 +71,9 @@ pub struct Estimate {
     /// Control periods since the start.
     pub tick: u32,
     /// What is wrong or special: zero where all is well; docs/firmware.md has the bits.
-    pub status: u32,
+    pub status: u16,
+    /// What the observer says of itself: zero where all is well; docs/firmware.md has the bits.
+    pub health: u16,
     /// Rotor speed, rad/s.
     pub motor_velocity_rad_per_s: f32,
     /// Friction of all masses, felt at the motor, Nm, positive against positive motion.
@@ -185,10 +187,11 @@ pub unsafe extern "C" fn joint_estimate(joint: *const Joint, estimate: *mut Esti
     if own.mark != MARK {
         return JOINT_NOT_INITIALISED;
     }
-    let Report { tick, status, estimates, deviations, .. } = &own.report;
+    let Report { tick, status, health, estimates, deviations, .. } = &own.report;
     let read = Estimate {
         tick: *tick,
-        status: u32::from(status.0),
+        status: status.0,
+        health: *health,
         motor_velocity_rad_per_s: estimates.motor_velocity_rad_per_s,
         total_friction_at_motor_nm: estimates.total_friction_at_motor_nm,
         output_angle_rad: estimates.output_angle_rad,

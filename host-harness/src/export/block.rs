@@ -6,12 +6,13 @@ use firmware::block::{BlockError, PAGE_BYTES, encode};
 use firmware::parameters::{DriveJoint, Parameters, Sensing};
 use firmware::{admissible, session};
 use joint_core::joint::Settings;
+use joint_core::observer::{Gains, Observer};
 use joint_core::params::Stage;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use super::{DriveOptions, ExportError};
 use crate::model::Model;
+use crate::observe::design::{Tuning, design};
+use crate::observe::rating::Rating;
 
 /// The block's bytes.
 ///
@@ -27,17 +28,22 @@ pub fn block(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportErr
     }
 }
 
-fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError>
-where
-    Parameters<N>: Serialize + DeserializeOwned,
-{
+fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError> {
     let stages: &[Stage; N] =
         model.stages.as_slice().try_into().map_err(|_| ExportError::Stages(N))?;
     let settings =
         Settings { effects: &model.effects, ..Settings::new(options.drive, options.period_s) };
     let joint = DriveJoint::<N>::new(&model.motor, stages, &model.load, &settings)
         .map_err(|error| ExportError::Parameter(error.to_string()))?;
-    let parameters = Parameters { joint, sensing: sensing(model, options) };
+    let mut rating = Rating::of(model, options.drive);
+    rating.current_a = options.current_limit_a;
+    let tuning = Tuning::default();
+    let refused = |error: crate::plant::BuildError| ExportError::Parameter(error.to_string());
+    let design =
+        design::<N>(model, options.drive, options.period_s, &rating, &tuning).map_err(refused)?;
+    let gains = Gains::new(&design, &model.motor, stages, options.drive, options.period_s);
+    let parameters =
+        Parameters { observer: Observer { joint, gains }, sensing: sensing(model, options) };
     admissible::check(&parameters).map_err(ExportError::Inadmissible)?;
     let mut bytes = vec![0; PAGE_BYTES];
     let length = encode(&parameters, N as u8, &mut bytes).map_err(|_| ExportError::Room)?;

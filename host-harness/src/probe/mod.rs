@@ -4,8 +4,6 @@
 //! holds it from yesterday; so everything but the probe itself works on streams, and is tested on
 //! those that the emulated drive has written.
 
-#[cfg(feature = "probe")]
-pub mod attached;
 pub mod recording;
 
 pub use recording::Recording;

@@ -141,8 +141,7 @@ fn gap_closed(verdict: &Verdict) -> Option<f64> {
 fn parameter_error(truth: &TrueEffect, found: &BTreeMap<String, f64>) -> Option<f64> {
     let kind = Kind::from_name(&truth.kind)?;
     let parameters = kind.spec().parameters;
-    let main =
-        parameters.iter().find(|spec| spec.key != "order" && !spec.key.contains("phase"))?;
+    let main = parameters.iter().find(|spec| spec.key != "order" && !spec.key.contains("phase"))?;
     let beside = match kind {
         Kind::SupplySag => Some("bus_voltage_v"),
         Kind::WindingHeating => Some("reference_current_a"),

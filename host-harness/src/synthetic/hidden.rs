@@ -44,9 +44,7 @@ pub fn hidden(
     let electrical = f64::from(model.motor.pole_pairs.max(1));
     let at = |location| EffectParameters::new(kind, location);
     Some(match kind {
-        Kind::AsymmetricFriction => {
-            at(Location::Motor).with("asymmetry", sign * share(0.25))
-        }
+        Kind::AsymmetricFriction => at(Location::Motor).with("asymmetry", sign * share(0.25)),
         Kind::Backlash => at(gear?).with("width_rad", 3.0 * size * windup),
         Kind::Coating => {
             gear?;

@@ -18,6 +18,7 @@ use crate::output::OutFile;
   joint capture --stream frames.bin --out capture.csv
   joint capture --chip STM32G431CBUx --elf drive.elf --trigger reversal --after 512 --out capture.csv")]
 pub struct Args {
+    /// The drive, or what it has sent
     #[command(flatten)]
     pub source: super::drive::Source,
     /// What starts it
@@ -56,9 +57,7 @@ impl Args {
             Start::Now => Trigger::Now,
             Start::Current => Trigger::CurrentAbove(self.above_a as f32),
             Start::Reversal => Trigger::Reversal,
-            Start::Fault => Trigger::Status(Status(
-                !(Status::DEFAULTS.0 | Status::OUTPUT_ON.0 | Status::UNOBSERVABLE.0),
-            )),
+            Start::Fault => Trigger::Status(Status(!(Status::DEFAULTS.0 | Status::OUTPUT_ON.0))),
         }
     }
 }

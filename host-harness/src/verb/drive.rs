@@ -63,42 +63,18 @@ impl Source {
         Ok(Some(recording))
     }
 
-    #[cfg(not(feature = "probe"))]
     #[expect(clippy::unused_self)]
     fn attached_monitor(&self, _: u16, _: f64) -> Result<Recording, Failure> {
         Err(without_probe())
     }
 
-    #[cfg(not(feature = "probe"))]
     #[expect(clippy::unused_self)]
     fn attached_capture(&self, _: Trigger, _: u32, _: f64) -> Result<Recording, Failure> {
         Err(without_probe())
     }
-
-    #[cfg(feature = "probe")]
-    fn attached_monitor(&self, every: u16, seconds: f64) -> Result<Recording, Failure> {
-        self.attach()?.monitor(every, seconds)
-    }
-
-    #[cfg(feature = "probe")]
-    fn attached_capture(
-        &self,
-        trigger: Trigger,
-        after: u32,
-        seconds: f64,
-    ) -> Result<Recording, Failure> {
-        self.attach()?.capture(trigger, after, seconds)
-    }
-
-    #[cfg(feature = "probe")]
-    fn attach(&self) -> Result<crate::probe::attached::Attached, Failure> {
-        let chip = self.chip.as_deref().ok_or_else(|| Failure::input("--chip is missing"))?;
-        crate::probe::attached::Attached::open(chip, self.elf.as_deref())
-    }
 }
 
 /// This program has no probe in it.
-#[cfg(not(feature = "probe"))]
 pub(super) fn without_probe() -> Failure {
     Failure::input(
         "this build has no debug probe\n  help: give a recorded --stream, or build with: cargo run --release -p host-harness --features probe -- …",

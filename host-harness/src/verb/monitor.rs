@@ -19,6 +19,7 @@ use crate::probe::recording::greeting;
   joint monitor --stream frames.bin --out run.csv
   joint monitor --chip STM32G431CBUx --elf drive.elf --every 20 --seconds 10 --out run.csv")]
 pub struct Args {
+    /// The drive, or what it has sent
     #[command(flatten)]
     pub source: super::drive::Source,
     /// Control periods between two reports

@@ -56,12 +56,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     Ok(Outcome::done(json, table(&rows, &summary)))
 }
 
-fn of_set(
-    set: &Path,
-    args: &Args,
-    out: &OutDir,
-    common: &Common,
-) -> Result<Vec<Row>, Failure> {
+fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<Row>, Failure> {
     let cases = cases(set, &args.kinds).map_err(Failure::input)?;
     let bar = common.progress(cases.len() as u64, "score");
     let mut rows = Vec::new();
@@ -89,8 +84,8 @@ fn drawn(seed: u64, count: u64, common: &Common) -> Result<Vec<Row>, Failure> {
         bar.set_message(trial.case.case.clone());
         let hidden = indicatif::ProgressBar::hidden();
         let withdrawn: Vec<_> = trial.withdrawn.into_iter().collect();
-        let findings = discover_without(&trial.nominal, &[trial.log], &withdrawn, &hidden)
-            .map_err(failure)?;
+        let findings =
+            discover_without(&trial.nominal, &[trial.log], &withdrawn, &hidden).map_err(failure)?;
         rows.push(row(&trial.case, &findings.verdict));
         bar.inc(1);
     }

@@ -67,31 +67,22 @@ pub struct Status(pub u16);
 impl Status {
     /// No parameters were accepted: estimates are those of the documented default joint.
     pub const DEFAULTS: Self = Self(1 << 0);
-    /// A measurement was no number, or beyond what its sensor can show; the last good one is used.
+    /// A measurement was no number, or beyond what its sensor can show, and was left out.
     pub const MEASUREMENT: Self = Self(1 << 1);
-    /// The motor encoder moved further than the joint can in one period; the move is taken.
+    /// The motor encoder moved further than the joint can in one period.
     pub const ENCODER_JUMP: Self = Self(1 << 2);
-    /// The motor encoder stands still while the model says that it must turn.
-    pub const ENCODER_STUCK: Self = Self(1 << 3);
     /// Control periods were missed before this one.
-    pub const LATE: Self = Self(1 << 4);
-    /// The state was no number and starts again from rest.
-    pub const RESTARTED: Self = Self(1 << 5);
+    pub const LATE: Self = Self(1 << 3);
     /// The output stage is enabled.
-    pub const OUTPUT_ON: Self = Self(1 << 6);
-    /// The joint sticks, and load and static friction cannot be told apart.
-    pub const UNOBSERVABLE: Self = Self(1 << 7);
+    pub const OUTPUT_ON: Self = Self(1 << 4);
 
     /// Every flag with its name, in the order of the bits.
-    pub const NAMES: [(Self, &'static str); 8] = [
+    pub const NAMES: [(Self, &'static str); 5] = [
         (Self::DEFAULTS, "defaults"),
         (Self::MEASUREMENT, "measurement"),
         (Self::ENCODER_JUMP, "encoder-jump"),
-        (Self::ENCODER_STUCK, "encoder-stuck"),
         (Self::LATE, "late"),
-        (Self::RESTARTED, "restarted"),
         (Self::OUTPUT_ON, "output-on"),
-        (Self::UNOBSERVABLE, "unobservable"),
     ];
 
     /// Both together.
@@ -158,6 +149,8 @@ pub struct Report {
     pub tick: u32,
     /// What is wrong or special.
     pub status: Status,
+    /// What the observer says of itself: the bits of [`crate::observer::Status`].
+    pub health: u16,
     /// Gear stages of the joint.
     pub stages: u8,
     /// The measurement.
@@ -303,8 +296,8 @@ impl Message {
                 let stages = usize::from(report.stages).min(MAX_STAGES);
                 put.u32(report.tick);
                 put.u16(report.status.0);
-                put.u8(stages as u8);
-                put.u8(0);
+                put.u16(report.health);
+                put.u32(stages as u32);
                 report.sample.put(put);
                 report.estimates.put(stages, put);
                 report.deviations.put(stages, put);
@@ -371,16 +364,17 @@ fn hello(get: &mut Get<'_>) -> Option<Hello> {
 }
 
 fn report(get: &mut Get<'_>) -> Option<Report> {
-    let (tick, status, stages) = (get.u32()?, Status(get.u16()?), get.u8()?);
-    get.u8()?;
-    let count = usize::from(stages);
+    let (tick, status, health) = (get.u32()?, Status(get.u16()?), get.u16()?);
+    let stages = get.u32()?;
+    let count = stages as usize;
     if count > MAX_STAGES {
         return None;
     }
     Some(Report {
         tick,
         status,
-        stages,
+        health,
+        stages: stages as u8,
         sample: Sample::get(get)?,
         estimates: Quantities::get(count, get)?,
         deviations: Quantities::get(count, get)?,
