@@ -28,8 +28,7 @@ pub fn block(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportErr
     }
 }
 
-fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError>
-{
+fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError> {
     let stages: &[Stage; N] =
         model.stages.as_slice().try_into().map_err(|_| ExportError::Stages(N))?;
     let settings =
@@ -40,8 +39,8 @@ fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<
     rating.current_a = options.current_limit_a;
     let tuning = Tuning::default();
     let refused = |error: crate::plant::BuildError| ExportError::Parameter(error.to_string());
-    let design = design::<N>(model, options.drive, options.period_s, &rating, &tuning)
-        .map_err(refused)?;
+    let design =
+        design::<N>(model, options.drive, options.period_s, &rating, &tuning).map_err(refused)?;
     let gains = Gains::new(&design, &model.motor, stages, options.drive, options.period_s);
     let parameters =
         Parameters { observer: Observer { joint, gains }, sensing: sensing(model, options) };

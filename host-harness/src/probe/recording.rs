@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use joint_core::telemetry::frame::{Frame, Reader};
-use joint_core::telemetry::{CaptureHead, Hello, Message, Mode, Quantities, Report, Sample, Status};
+use joint_core::telemetry::{
+    CaptureHead, Hello, Message, Mode, Quantities, Report, Sample, Status,
+};
 
 /// What a drive has sent.
 #[derive(Clone, Debug, Default)]
@@ -77,8 +79,11 @@ impl Recording {
     pub fn log(&self) -> Option<Vec<(String, Vec<f64>)>> {
         let hello = self.hello?;
         let first = self.reports.first().map_or(0, |report| report.tick);
-        let rows: Vec<(u32, Sample)> =
-            self.reports.iter().map(|report| (report.tick.wrapping_sub(first), report.sample)).collect();
+        let rows: Vec<(u32, Sample)> = self
+            .reports
+            .iter()
+            .map(|report| (report.tick.wrapping_sub(first), report.sample))
+            .collect();
         let mut columns = measured(&hello, &rows);
         let stages = usize::from(hello.stages);
         let mut push = |name: String, of: &dyn Fn(&Report) -> f32| {
