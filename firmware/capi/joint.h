@@ -12,7 +12,7 @@
 /**
  * Eight-byte words of a joint.
  */
-#define JOINT_WORDS 320
+#define JOINT_WORDS 768
 
 /**
  * Most gear stages.
@@ -118,7 +118,11 @@ typedef struct {
   /**
    * What is wrong or special: zero where all is well; docs/firmware.md has the bits.
    */
-  uint32_t status;
+  uint16_t status;
+  /**
+   * What the observer says of itself: zero where all is well; docs/firmware.md has the bits.
+   */
+  uint16_t health;
   /**
    * Rotor speed, rad/s.
    */

@@ -9,7 +9,7 @@ use crate::parameters::Sensing;
 /// The joint in operation. The tag is its own, so that one that is not started is zero.
 #[derive(Debug)]
 #[repr(u8)]
-#[allow(clippy::large_enum_variant)] // There is no heap to box the largest into.
+#[expect(clippy::large_enum_variant, reason = "there is no heap to put it into")]
 pub enum AnyControl {
     /// Not yet started: reports nothing but zeros.
     NotStarted,

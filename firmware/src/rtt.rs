@@ -25,7 +25,8 @@ pub struct Channel {
 // SAFETY: the pointers are to statics, a text and a ring of atomics; all else is atomic.
 unsafe impl Sync for Channel {}
 
-/// The control block: two channels up, one down.
+/// The control block: two channels up, two down. Telemetry and commands have the same number, as a
+/// debug server that passes on one channel both ways wants it.
 #[repr(C)]
 #[derive(Debug)]
 pub struct ControlBlock {
@@ -33,7 +34,7 @@ pub struct ControlBlock {
     ups: AtomicU32,
     downs: AtomicU32,
     up: [Channel; 2],
-    down: [Channel; 1],
+    down: [Channel; 2],
 }
 
 impl Channel {
@@ -98,11 +99,11 @@ impl Channel {
 
 impl ControlBlock {
     /// A block without its name, so that its image in flash is not taken for it.
-    pub const fn new(up: [Channel; 2], down: [Channel; 1]) -> Self {
+    pub const fn new(up: [Channel; 2], down: [Channel; 2]) -> Self {
         Self {
             id: [const { AtomicU32::new(0) }; 4],
             ups: AtomicU32::new(2),
-            downs: AtomicU32::new(1),
+            downs: AtomicU32::new(2),
             up,
             down,
         }
@@ -129,9 +130,9 @@ impl ControlBlock {
         telemetry
     }
 
-    /// Down channel 0: command frames.
+    /// Down channel 1: command frames.
     pub fn commands(&self) -> &Channel {
-        let [commands] = &self.down;
+        let [_, commands] = &self.down;
         commands
     }
 }

@@ -11,13 +11,14 @@ use crate::rtt::{Channel, ControlBlock, Ring};
 
 static EVENTS: Ring<512> = [const { AtomicU8::new(0) }; 512];
 static TELEMETRY: Ring<2048> = [const { AtomicU8::new(0) }; 2048];
+static NOTHING: Ring<2> = [const { AtomicU8::new(0) }; 2];
 static COMMANDS: Ring<128> = [const { AtomicU8::new(0) }; 128];
 
 /// The rings, as a debug probe finds them.
 #[unsafe(export_name = "_SEGGER_RTT")]
 pub static RTT: ControlBlock = ControlBlock::new(
     [Channel::new(b"defmt\0", &EVENTS), Channel::new(b"telemetry\0", &TELEMETRY)],
-    [Channel::new(b"commands\0", &COMMANDS)],
+    [Channel::new(b"none\0", &NOTHING), Channel::new(b"commands\0", &COMMANDS)],
 );
 
 /// Longest event.

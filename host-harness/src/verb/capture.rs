@@ -16,7 +16,7 @@ use crate::output::OutFile;
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint capture --stream frames.bin --out capture.csv
-  joint capture --chip STM32G431CBUx --elf drive.elf --trigger reversal --after 512 --out capture.csv")]
+  joint capture --connect localhost:9090 --trigger reversal --after 256 --out capture.csv")]
 pub struct Args {
     /// The drive, or what it has sent
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub struct Args {
     #[arg(long, value_name = "A", default_value_t = 1.0, value_parser = super::positive)]
     pub above_a: f64,
     /// Samples from the trigger on
-    #[arg(long, value_name = "N", default_value_t = 1024)]
+    #[arg(long, value_name = "N", default_value_t = 512)]
     pub after: u32,
     /// How long to wait for the trigger
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::positive)]

@@ -10,14 +10,13 @@ use crate::output::OutFile;
 use crate::probe::Recording;
 use crate::probe::recording::greeting;
 
-/// Read a drive's telemetry: live by a debug probe, or from a recorded stream
+/// Read a drive's telemetry: live from a debug server, or from a recorded stream
 ///
-/// The log has what was measured and what was estimated; `identify` and `discover` read it. A probe
-/// needs a build with the feature `probe`.
+/// The log has what was measured and what was estimated; `identify` and `discover` read it.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint monitor --stream frames.bin --out run.csv
-  joint monitor --chip STM32G431CBUx --elf drive.elf --every 20 --seconds 10 --out run.csv")]
+  joint monitor --connect localhost:9090 --every 20 --seconds 10 --out run.csv")]
 pub struct Args {
     /// The drive, or what it has sent
     #[command(flatten)]
