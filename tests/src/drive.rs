@@ -51,7 +51,6 @@ pub fn gear() -> [Stage; 2] {
         worm_lead_angle_rad: 0.0,
         worm_friction_coefficient: 0.0,
         friction: friction(coulomb),
-        ..Stage::default()
     })
 }
 

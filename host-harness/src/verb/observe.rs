@@ -24,8 +24,8 @@ use crate::plant::{BuildError, by_stages};
 /// without `output_angle_rad` is observed from the motor alone.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
-  joint identify --model arm.toml --log calibration.csv --out refit
-  joint observe --model refit/model.toml --log arm.csv --out observed.csv --scalar f32")]
+  joint observe --model refit/model.toml --log arm.csv --out observed.csv --scalar f32
+  joint identify --model arm.toml --log calibration.csv --out refit   (before it)")]
 pub struct Args {
     /// Model file
     #[arg(long, value_name = "TOML")]
