@@ -271,6 +271,28 @@ pub fn stack_used() -> usize {
     (top as usize).saturating_sub(at as usize)
 }
 
+/// Bytes of stack that `work` uses below its caller, up to 4 KiB: what lies there is painted before and
+/// looked at after.
+#[inline(never)]
+pub fn stack_used_by(work: impl FnOnce()) -> u32 {
+    const WORDS: usize = 1024;
+    const PAINT: u32 = 0xa5c3_5a3c;
+    // Room for this function's own frame.
+    const KEPT: usize = 32;
+    let top = cortex_m::register::msp::read() as *mut u32;
+    for k in KEPT..WORDS {
+        // SAFETY: below the stack pointer nobody keeps anything, and the stack has more room.
+        unsafe { top.wrapping_sub(k).write_volatile(PAINT) };
+    }
+    work();
+    let painted = (KEPT..WORDS)
+        .rev()
+        // SAFETY: as above; reading what was painted.
+        .take_while(|k| unsafe { top.wrapping_sub(*k).read_volatile() } == PAINT)
+        .count();
+    ((WORDS - painted) * size_of::<u32>()) as u32
+}
+
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     eprintln!("{info}");

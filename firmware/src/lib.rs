@@ -12,6 +12,7 @@ pub mod block;
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod board;
 pub mod control;
+pub mod drill;
 pub mod link;
 pub mod parameters;
 pub mod replay;

@@ -38,6 +38,7 @@ macro_rules! verbs {
 verbs! {
     Simulate => simulate,
     CrossCheck => cross_check,
+    Budget => budget,
     Reproduce => reproduce,
     Identify => identify,
     Discover => discover,

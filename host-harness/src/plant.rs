@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES};
+use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Mass, Settings, StageState, State};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::{Bases, reflected_inertia};
@@ -25,6 +26,8 @@ pub enum ScalarKind {
     F64,
     /// Single precision, bit for bit as on the drive.
     F32,
+    /// Fixed point, bit for bit as on a drive without a floating-point unit.
+    Fixed,
 }
 
 /// What drives a joint over a record: sample `k` is held from `time_s[k]` to `time_s[k + 1]`.
@@ -354,6 +357,7 @@ pub fn simulate(
     }
     by_stages!(model.stages.len(), N => Ok(match scalar {
         ScalarKind::F64 => run(&Built::<f64, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
+        ScalarKind::Fixed => run(&Built::<Fixed, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
         ScalarKind::F32 => run(&Built::<f32, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
     }))
 }
@@ -392,21 +396,21 @@ fn snapshot<S: Scalar, const N: usize>(
     let stages = (0..N)
         .map(|stage| {
             let shaft = bases.shaft(stage + 1);
-            let deflection = joint.deflection(state, stage).to_f64();
+            let deflection = joint.deflection_rad(state, stage);
             wound += deflection;
             StageSnapshot {
                 angle_rad: (motor_angle_rad - wound) * shaft,
-                speed_rad_per_s: joint.speed(state, stage + 1).to_f64() * shaft,
+                speed_rad_per_s: joint.speed_rad_per_s(state, stage + 1) * shaft,
                 windup_rad: deflection * shaft,
                 bristle: joint.bristle(state, stage + 1).to_f64() * shaft.signum(),
             }
         })
         .collect();
     Snapshot {
-        current_a: joint.current(state).to_f64(),
-        measured_current_a: joint.measured_current(state).to_f64(),
+        current_a: joint.current_a(state),
+        measured_current_a: joint.measured_current_a(state),
         motor_angle_rad,
-        motor_speed_rad_per_s: joint.speed(state, 0).to_f64(),
+        motor_speed_rad_per_s: joint.speed_rad_per_s(state, 0),
         motor_bristle: joint.bristle(state, 0).to_f64(),
         stages,
     }

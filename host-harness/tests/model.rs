@@ -191,6 +191,8 @@ fn stages() -> impl Strategy<Value = Stage> {
             stiffness_nm_per_rad: k1,
             cubic_stiffness_nm_per_rad3: k3,
             damping_nm_s_per_rad: c,
+            worm_lead_angle_rad: 0.25,
+            worm_friction_coefficient: 0.1,
             friction,
         }
     })

@@ -13,7 +13,7 @@ pub struct Angle<S> {
     pub whole: i32,
     /// Part of a turn, −½ to ½.
     pub part: S,
-    /// What the last sum lost by rounding.
+    /// What the sum has lost by rounding, and is still owed; see [`Scalar::summed`].
     pub lost: S,
 }
 
@@ -26,18 +26,25 @@ impl<S: Scalar> Angle<S> {
 
     /// The angle in turns; not for the hot path.
     pub fn to_turns(self) -> f64 {
-        f64::from(self.whole) + self.part.to_f64() - self.lost.to_f64()
+        f64::from(self.whole) + self.part.to_f64() - self.lost.lost_to_f64()
     }
 
     /// Adds less than half a turn.
     #[inline]
     pub fn advance(&mut self, turns: S) {
-        let increment = turns - self.lost;
-        let part = self.part + increment;
-        self.lost = (part - self.part) - increment;
-        let (whole, part) = part.split_turns();
+        let (whole, part, lost) = S::summed(self.part, self.lost, turns);
         self.whole = self.whole.wrapping_add(whole);
         self.part = part;
+        self.lost = lost;
+    }
+
+    /// Adds a motion at this speed, less than half a turn, with what rounding would take of it.
+    #[inline]
+    pub fn turn(&mut self, speed: S, turns_per_speed: S::Gain) {
+        let (whole, part, lost) = S::turned(self.part, self.lost, speed, turns_per_speed);
+        self.whole = self.whole.wrapping_add(whole);
+        self.part = part;
+        self.lost = lost;
     }
 
     /// The angle a little further, without the book-keeping of [`Angle::advance`].

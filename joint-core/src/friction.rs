@@ -11,7 +11,7 @@
 //! kicks take the torque σ1 ż by its tangent, and after the middle one [`Friction::straighten`] makes
 //! good what halves of constant speed miss of a reversal.
 
-use crate::joint::Mass;
+use crate::joint::{MIDDLE, Mass};
 use crate::params;
 use crate::scalar::Scalar;
 
@@ -28,7 +28,7 @@ pub struct Friction<S: Scalar> {
     kappa: S::Gain,
     /// α0, torque per ζ.
     level: S::Gain,
-    /// σ0, torque per angle.
+    /// σ0 h²/24 J, the force gradient's share of a force.
     stiffness: S::Gain,
     sigma1: S,
     sigma2: S,
@@ -54,6 +54,8 @@ pub struct Bristle<S> {
 /// The Stribeck curve at one speed.
 #[derive(Clone, Copy)]
 struct Curve<S> {
+    /// 1/ρ = g(v)/α0.
+    level: S,
     /// ρ = α0/g(v).
     rho: S,
     /// v ρ'.
@@ -67,15 +69,14 @@ const CORNER: f64 = 7.0 / 24.0;
 const REVERSAL: f64 = 2.0 / 3.0;
 
 impl<S: Scalar> Friction<S> {
-    /// From SI: `shaft` is the mass's ratio to the motor, `half_step` in seconds, `mobility` what
-    /// speed the middle kick gives per torque; `torque`, `speed` and `angle` are the units at the
-    /// motor.
+    /// From SI: `shaft` is the mass's ratio to the motor, `half_step` in seconds, `inertia` reflected
+    /// to the motor; `torque` and `speed` are the units there.
     pub(crate) fn new(
         friction: &params::Friction,
         shaft: f64,
         half_step: f64,
-        mobility: f64,
-        [torque, speed, angle]: [f64; 3],
+        inertia: f64,
+        [torque, speed]: [f64; 2],
     ) -> Self {
         let shaft = libm::fabs(shaft);
         let alpha0 = friction.coulomb_nm * shaft;
@@ -94,11 +95,11 @@ impl<S: Scalar> Friction<S> {
             beta: S::from_f64(beta.max(LEAST_BETA)),
             kappa: S::gain(kappa * speed),
             level: S::gain(alpha0 / torque),
-            stiffness: S::gain(sigma0 * angle / torque),
+            stiffness: S::gain(sigma0 * half_step * half_step / (6.0 * inertia)),
             sigma1: S::from_f64(friction.sigma1_nm_s_per_rad * damping),
             sigma2: S::from_f64(friction.sigma2_nm_s_per_rad * damping),
             corner: S::gain(CORNER * kappa * speed / (1.0 + beta.max(0.0))),
-            reversal: S::from_f64(REVERSAL * sigma1 * mobility),
+            reversal: S::from_f64(REVERSAL * sigma1 * MIDDLE * 2.0 * half_step / inertia),
         }
     }
 
@@ -107,9 +108,9 @@ impl<S: Scalar> Friction<S> {
     fn curve(&self, speed: S) -> Curve<S> {
         let relative = speed.times(self.per_stribeck_velocity);
         let square = relative * relative;
-        let excess = square.excess(self.beta);
+        let (excess, level) = square.stribeck(self.beta);
         let rho = S::ONE - excess;
-        Curve { rho, steepness: rho * excess * square }
+        Curve { level, rho, steepness: rho * excess * square }
     }
 
     /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
@@ -121,20 +122,10 @@ impl<S: Scalar> Friction<S> {
     /// of it at standstill is the mass's force to begin with.
     #[inline(always)]
     fn keep(&self, mass: &mut Mass<S>, zeta: S, curve: &Curve<S>, inverse_level: S) {
-        let along = if mass.speed < S::ZERO { -zeta } else { zeta } * inverse_level;
+        let along = zeta.along(mass.speed) * inverse_level;
         mass.bristle = Bristle { zeta, bending: S::ONE - along * (curve.rho + curve.steepness) };
         let standing = along * curve.steepness * mass.speed;
         mass.force = -(zeta.times(self.level) + standing * self.sigma1);
-    }
-
-    /// Friction torque on a mass beside its damping times its speed: the tangent's value at
-    /// standstill.
-    #[inline]
-    pub(crate) fn standing(&self, mass: &Mass<S>) -> S {
-        let zeta = mass.bristle.zeta;
-        let along = if mass.speed < S::ZERO { -zeta } else { zeta };
-        let bent = along * self.curve(mass.speed).steepness * mass.speed;
-        zeta.times(self.level) + bent * self.sigma1
     }
 
     /// Moves a mass's bristle over half a step at its speed: with y = κ v, x = |y| ρ and
@@ -143,9 +134,7 @@ impl<S: Scalar> Friction<S> {
     pub(crate) fn flow(&self, mass: &mut Mass<S>) {
         let curve = self.curve(mass.speed);
         let y = mass.speed.times(self.kappa);
-        let x = y.abs() * curve.rho;
-        let a = S::ONE + x * (S::HALF + x * S::SIXTH);
-        let zeta = (mass.bristle.zeta + y * a).over(S::ONE + x * a);
+        let zeta = mass.bristle.zeta.relaxed(y, curve.rho, curve.level);
         self.keep(mass, zeta, &curve, S::ONE);
     }
 
@@ -170,8 +159,8 @@ impl<S: Scalar> Friction<S> {
         );
         let way = above.over(below);
         let (first, last) = (S::ONE.over(start), S::ONE.over(end));
-        let target = (first + (last - first) * way).over(curve.rho);
-        let target = if mass.speed < S::ZERO { -target } else { target };
+        let target = (first + (last - first) * way) * curve.level;
+        let target = target.along(mass.speed);
         let series = decay * (S::ONE + decay * (S::HALF + decay * S::SIXTH));
         let zeta = (mass.bristle.zeta + series * target).over(S::ONE + series);
         self.keep(mass, zeta, &curve, end);
@@ -191,16 +180,32 @@ impl<S: Scalar> Friction<S> {
         mass.speed = after - behind * (self.reversal * (S::ONE - bristle.bending));
     }
 
+    /// Friction torque σ0 z + σ1 ż + σ2 v as the mass was last found; not for the step.
+    pub(crate) fn felt(&self, mass: &Mass<S>) -> S {
+        let Bristle { zeta, bending } = mass.bristle;
+        let rate = mass.speed - mass.speed.abs() * self.curve(mass.speed).rho * zeta;
+        zeta.times(self.level)
+            + self.sigma1 * rate
+            + (mass.damping - self.sigma1 * bending) * mass.speed
+    }
+
+    /// Change of the bristle torque with ζ.
+    #[inline(always)]
+    pub(crate) fn per_bristle(&self, change: S) -> S {
+        change.times(self.level)
+    }
+
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>, viscous: S) -> S {
         self.sigma1 * bristle.bending + self.sigma2 * viscous
     }
 
-    /// Change of the bristle torque with the angle where the speed changes with it: σ0 ∂ż/∂v.
+    /// Change of the bristle torque, over the force gradient's h²/24 J, under a force on the mass:
+    /// σ0 ∂ż/∂v of the angle that the force moves.
     #[inline(always)]
-    pub(crate) fn slope(&self, bristle: &Bristle<S>) -> S {
-        bristle.bending.times(self.stiffness)
+    pub(crate) fn shift(&self, bristle: &Bristle<S>, force: S) -> S {
+        bristle.bending * force.times(self.stiffness)
     }
 }
 
@@ -219,7 +224,7 @@ mod tests {
             stribeck_velocity_rad_per_s: 2.0,
             ..params::Friction::default()
         };
-        Friction::new(&friction, 1.0, 0.1, 1.0, [1.0; 3])
+        Friction::new(&friction, 1.0, 0.1, 1.0, [1.0; 2])
     }
 
     #[test]
@@ -252,6 +257,9 @@ mod tests {
             assert!((bristle.bending - tangent).abs() < 1e-8, "slope at {speed}");
             let held = SIGMA1 * (rate(speed, 0.7) - bristle.bending * speed) + 0.5 * 0.7;
             assert!((mass.force + held).abs() < 1e-9, "value at {speed}");
+            mass.damping = SIGMA1 * bristle.bending;
+            let felt = 0.5 * 0.7 + SIGMA1 * rate(speed, 0.7);
+            assert!((friction(0.2).felt(&mass) - felt).abs() < 1e-9, "torque at {speed}");
         }
     }
 

@@ -8,7 +8,8 @@ use crate::scalar::Scalar;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Spring<S: Scalar> {
-    linear: S::Gain,
+    linear: S,
+    /// Root of the cubic stiffness: a deflection's square may not fit the number's range.
     cubic: S::Gain,
     damping: S::Gain,
     /// Share of the relative speed that damping takes in half a step, on the mass before and after.
@@ -33,8 +34,8 @@ impl<S: Scalar> Spring<S> {
         let mobility = 1.0 / before + 1.0 / after;
         let taken = -libm::expm1(-stage.damping_nm_s_per_rad * square * half_step * mobility);
         Self {
-            linear: S::gain(linear * angle / torque),
-            cubic: S::gain(cubic * angle * angle * angle / torque),
+            linear: S::from_f64(linear * angle / torque),
+            cubic: S::gain(angle * libm::sqrt(cubic * angle / torque)),
             damping: S::gain(stage.damping_nm_s_per_rad * square * speed / torque),
             before: S::gain(taken / (before * mobility)),
             after: S::gain(taken / (after * mobility)),
@@ -50,7 +51,8 @@ impl<S: Scalar> Spring<S> {
     /// Elastic torque over deflection.
     #[inline(always)]
     fn secant(&self, deflection: S) -> S {
-        S::ONE.times(self.linear) + (deflection * deflection).times(self.cubic)
+        let bent = deflection.times(self.cubic);
+        self.linear + bent * bent
     }
 
     /// Whether there is a damper.
@@ -67,7 +69,8 @@ impl<S: Scalar> Spring<S> {
     /// Derivative of the elastic torque with the deflection.
     #[inline(always)]
     pub(crate) fn slope(&self, deflection: S) -> S {
-        let hardened = (deflection * deflection).times(self.cubic);
+        let bent = deflection.times(self.cubic);
+        let hardened = bent * bent;
         self.secant(deflection) + hardened + hardened
     }
 

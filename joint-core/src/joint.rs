@@ -207,15 +207,19 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let inertia = |mass| reflected_inertia(motor, stages, load, mass);
         let gamma = |inertia: f64| S::gain(step * step / (24.0 * inertia) * torque / angle);
         let friction = |mass| {
-            let units = [torque, speed, angle];
-            let mobility = MIDDLE * step / inertia(mass);
-            Friction::new(bases.friction(mass), bases.shaft(mass), half, mobility, units)
+            let friction = bases.friction(mass);
+            Friction::new(friction, bases.shaft(mass), half, inertia(mass), [torque, speed])
         };
         let kick = |weight: f64| {
             let units = [torque, speed, current];
             RotorKick::new(motor, settings.drive, inertia(0), weight * step, units)
         };
         let effects = effects(&bases).ok_or(params::unplaced_effect(settings.effects.len()))?;
+        if let Some(error) = params::worm_without_effects(stages)
+            && !effects.has_levels()
+        {
+            return Err(error);
+        }
         let mut number = 0;
         let stages = stages.map(|stage| {
             number += 1;
@@ -325,6 +329,40 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// Speed of a mass as it is felt at the motor, rad/s; zero for a mass that is not there.
     pub fn speed(&self, state: &State<S, N>, mass: usize) -> S {
         self.mass(state, mass).map_or(S::ZERO, |mass| mass.speed.times(self.units.speed))
+    }
+
+    /// How many of the state's numbers stand at the end of their range, where they stop: none in a
+    /// run that means anything. Floats do so where they are infinite or none.
+    pub fn saturated(&self, state: &State<S, N>) -> u32 {
+        let of = |mass: &Mass<S>| [mass.speed, mass.bristle.zeta, mass.force, mass.damping];
+        let count = |values: &[S]| values.iter().filter(|value| value.is_at_limit()).count() as u32;
+        state
+            .stages
+            .iter()
+            .fold(count(&of(&state.rotor)) + count(&[state.current]), |sum, stage| {
+                sum + count(&of(&stage.mass)) + count(&[stage.deflection])
+            })
+    }
+
+    /// Current in the winding, A, in double precision; not for a drive.
+    pub fn current_a(&self, state: &State<S, N>) -> f64 {
+        state.current.to_f64() / self.units.per_current
+    }
+
+    /// What the current sensor shows, A, in double precision; not for a drive.
+    pub fn measured_current_a(&self, state: &State<S, N>) -> f64 {
+        self.effects.measured_current(state.current).to_f64() / self.units.per_current
+    }
+
+    /// Speed of a mass as it is felt at the motor, rad/s, in double precision; not for a drive.
+    pub fn speed_rad_per_s(&self, state: &State<S, N>, mass: usize) -> f64 {
+        self.mass(state, mass).map_or(0.0, |mass| mass.speed.to_f64() / self.units.per_speed)
+    }
+
+    /// Deflection of a stage's spring as it is felt at the motor, rad, in double precision; stages
+    /// count from 0; not for a drive.
+    pub fn deflection_rad(&self, state: &State<S, N>, stage: usize) -> f64 {
+        state.stages.get(stage).map_or(0.0, |s| s.deflection.to_f64() / self.units.per_angle)
     }
 
     /// Bristle torque of a mass over its Coulomb level, ζ = σ0 z / α0.

@@ -52,6 +52,7 @@
 
 pub mod angle;
 pub mod effect;
+pub mod fixed;
 pub mod friction;
 pub mod gear;
 pub mod joint;
@@ -63,3 +64,4 @@ pub mod per_unit;
 pub mod scalar;
 mod step;
 pub mod telemetry;
+pub mod worm;

@@ -89,10 +89,16 @@ pub fn micro_steps(motor: &Motor, stages: &[Stage], load: &Load, step_s: f64) ->
 
 /// Tangent stiffness of a stage's spring under a torque, Nm/rad.
 fn tangent(stage: &Stage, torque: f64) -> f64 {
+    let x = deflection(stage, torque);
+    stage.stiffness_nm_per_rad + 3.0 * stage.cubic_stiffness_nm_per_rad3 * x * x
+}
+
+/// Deflection of a stage's spring under a torque, rad at its output.
+pub(crate) fn deflection(stage: &Stage, torque: f64) -> f64 {
     let (k1, k3) = (stage.stiffness_nm_per_rad, stage.cubic_stiffness_nm_per_rad3);
     let mut x = torque / k1;
     for _ in 0..20 {
         x -= (k1 * x + k3 * x * x * x - torque) / (k1 + 3.0 * k3 * x * x);
     }
-    k1 + 3.0 * k3 * x * x
+    x
 }

@@ -99,6 +99,11 @@ pub struct Stage {
     pub cubic_stiffness_nm_per_rad3: f64,
     /// Damping c of the spring, Nm s/rad at the stage's output.
     pub damping_nm_s_per_rad: f64,
+    /// Lead angle λ of a worm stage, rad: the mass before the spring is the worm, the one behind it
+    /// the wheel. Zero: no worm. See [`crate::worm`].
+    pub worm_lead_angle_rad: f64,
+    /// Friction coefficient μ of a worm stage's mesh, over the cosine of the pressure angle.
+    pub worm_friction_coefficient: f64,
     /// Friction on the mass behind the spring.
     pub friction: Friction,
 }
@@ -111,6 +116,8 @@ impl Default for Stage {
             stiffness_nm_per_rad: 0.0,
             cubic_stiffness_nm_per_rad3: 0.0,
             damping_nm_s_per_rad: 0.0,
+            worm_lead_angle_rad: 0.0,
+            worm_friction_coefficient: 0.0,
             friction: Friction::default(),
         }
     }
@@ -383,7 +390,35 @@ impl Stage {
         check.positive("stiffness_nm_per_rad", self.stiffness_nm_per_rad)?;
         check.not_negative("cubic_stiffness_nm_per_rad3", self.cubic_stiffness_nm_per_rad3)?;
         check.not_negative("damping_nm_s_per_rad", self.damping_nm_s_per_rad)?;
+        self.validate_worm(check)?;
         self.friction.validate(Check(Table::StageFriction(number)))
+    }
+}
+
+impl Stage {
+    /// Whether this is a worm stage.
+    pub fn is_worm(&self) -> bool {
+        self.worm_lead_angle_rad > 0.0
+    }
+
+    fn validate_worm(&self, check: Check) -> Result<(), ParameterError> {
+        check.not_negative("worm_lead_angle_rad", self.worm_lead_angle_rad)?;
+        let key = "worm_friction_coefficient";
+        check.not_negative(key, self.worm_friction_coefficient)?;
+        if !self.is_worm() {
+            if self.worm_friction_coefficient > 0.0 {
+                // Without a lead angle it would be ignored.
+                check.positive("worm_lead_angle_rad", self.worm_lead_angle_rad)?;
+            }
+            return Ok(());
+        }
+        // At a quarter turn less the friction angle even the worm cannot drive.
+        let most = core::f64::consts::FRAC_PI_2 - libm::atan(self.worm_friction_coefficient) - 0.01;
+        if self.worm_lead_angle_rad > most {
+            let reason = Reason::OutOfRange { low: 0.0, high: most };
+            return Err(check.fail("worm_lead_angle_rad", self.worm_lead_angle_rad, reason));
+        }
+        Ok(())
     }
 }
 
@@ -415,6 +450,13 @@ pub(crate) fn gravity_without_effects(load: &Load) -> ParameterError {
     Check(Table::Load).fail("gravity_nm", load.gravity_nm, Reason::NeedsEffectSet)
 }
 
+/// A worm stage in a joint that has no laws beside the plain equations.
+pub(crate) fn worm_without_effects(stages: &[Stage]) -> Option<ParameterError> {
+    let number = stages.iter().position(Stage::is_worm)? + 1;
+    let lead = stages.get(number - 1).map_or(0.0, |stage| stage.worm_lead_angle_rad);
+    Some(Check(Table::Stage(number)).fail("worm_lead_angle_rad", lead, Reason::NeedsEffectSet))
+}
+
 /// An effect that the joint has no place for, though validation let it pass.
 pub(crate) fn unplaced_effect(number: usize) -> ParameterError {
     Check(Table::Effect(number)).fail("location", 0.0, Reason::NoSuchPlace)
@@ -428,6 +470,16 @@ pub fn validate(motor: &Motor, stages: &[Stage], load: &Load) -> Result<(), Para
     motor.validate()?;
     for (k, stage) in stages.iter().enumerate() {
         stage.validate(k + 1)?;
+    }
+    for (k, stage) in stages.iter().enumerate() {
+        if stage.is_worm() {
+            // The mesh's friction is a level of the worm's own.
+            let (friction, table) = match k.checked_sub(1).and_then(|k| stages.get(k)) {
+                Some(worm) => (&worm.friction, Table::StageFriction(k)),
+                None => (&motor.friction, Table::MotorFriction),
+            };
+            Check(table).positive("coulomb_nm", friction.coulomb_nm)?;
+        }
     }
     load.validate()
 }

@@ -67,6 +67,25 @@ pub trait Scalar:
     fn sin_turns(self) -> Self;
     /// Whole turns and the rest between −½ and ½, of an angle in turns between −1 and 1.
     fn split_turns(self) -> (i32, Self);
+    /// A part of a turn and what it has lost, after less than half a turn more: whole turns, the part
+    /// and the loss. A float is summed with compensation; a fixed-point part is exact.
+    #[inline]
+    fn summed(part: Self, lost: Self, turns: Self) -> (i32, Self, Self) {
+        let increment = turns - lost;
+        let sum = part + increment;
+        let lost = (sum - part) - increment;
+        let (whole, part) = sum.split_turns();
+        (whole, part, lost)
+    }
+    /// The same after a motion at this speed, with what rounding would take of the product.
+    #[inline]
+    fn turned(part: Self, lost: Self, speed: Self, gain: Self::Gain) -> (i32, Self, Self) {
+        Self::summed(part, lost, speed.times(gain))
+    }
+    /// What a loss is worth, in turns; not for the hot path.
+    fn lost_to_f64(self) -> f64 {
+        self.to_f64()
+    }
     /// The part of `whole · whole_ratio + part · ratio` between −½ and ½ turn.
     fn wrapped_turns(whole: i32, whole_ratio: Self::Gain, part: Self, ratio: Self::Gain) -> Self;
     /// `(whole + part) · ratio`, for laws that do not repeat with the angle.
@@ -81,10 +100,34 @@ pub trait Scalar:
         (quarter - self.abs()).sin_turns()
     }
 
-    /// `β / (exp(s/2) + β)` of any `s ≥ 0` and β above −1: what a Stribeck curve 1 + β exp(−s/2) has
-    /// beyond one, as a share of itself. Absolute error of the exponential's inverse below 4e-5
+    /// Of a Stribeck curve 1 + β exp(−s/2), for `s ≥ 0` and β above −1: the share of it that exceeds
+    /// one, `β / (exp(s/2) + β)`, and the curve itself. Absolute error of the exponential below 4e-5
     /// (f32) and 1e-10 (f64).
-    fn excess(self, beta: Self) -> Self;
+    fn stribeck(self, beta: Self) -> (Self, Self);
+
+    /// A bristle at this deflection after a motion of `reach` in units of its reach, where it slips
+    /// at `level = 1/rho`: with x = |reach| ρ and a = 1 + x/2 + x²/6, `(ζ + reach a) / (1 + x a)`.
+    #[inline(always)]
+    fn relaxed(self, reach: Self, rho: Self, _level: Self) -> Self {
+        let x = reach.abs() * rho;
+        let a = Self::ONE + x * (Self::HALF + x * Self::SIXTH);
+        (self + reach * a).over(Self::ONE + x * a)
+    }
+
+    /// Half of it.
+    #[inline(always)]
+    fn half(self) -> Self {
+        self * Self::HALF
+    }
+
+    /// With the sign turned where `direction` is below zero.
+    #[inline(always)]
+    fn along(self, direction: Self) -> Self {
+        if direction < Self::ZERO { -self } else { self }
+    }
+
+    /// Whether the number stands at the end of its range, or is none.
+    fn is_at_limit(self) -> bool;
 
     /// Hyperbolic tangent; absolute error that of [`Scalar::exp_minus`].
     #[inline]
@@ -162,11 +205,16 @@ impl Scalar for f32 {
     /// The exponential is the eighth power of a cubic: it needs no end of its range, since its
     /// inverse goes to zero with it.
     #[inline(always)]
-    fn excess(self, beta: f32) -> f32 {
+    fn stribeck(self, beta: f32) -> (f32, f32) {
         let root = horner!(self, f32, 4.994_4e-5, 1.921_528e-3, 0.062_524_85, 1.0);
         let square = root * root;
         let fourth = square * square;
-        beta / (fourth * fourth + beta)
+        let grown = fourth * fourth;
+        (beta / (grown + beta), 1.0 + beta / grown)
+    }
+    #[inline(always)]
+    fn is_at_limit(self) -> bool {
+        !self.is_finite()
     }
     #[inline(always)]
     fn from_turn_counts(counts: i32) -> f32 {
@@ -250,9 +298,13 @@ impl Scalar for f64 {
         mantissa * f64::from_bits(((1023 - whole) as u64) << 52)
     }
     #[inline(always)]
-    fn excess(self, beta: f64) -> f64 {
+    fn stribeck(self, beta: f64) -> (f64, f64) {
         let excess = beta * (0.5 * self).exp_minus();
-        excess / (1.0 + excess)
+        (excess / (1.0 + excess), 1.0 + excess)
+    }
+    #[inline(always)]
+    fn is_at_limit(self) -> bool {
+        !self.is_finite()
     }
     #[inline(always)]
     fn from_turn_counts(counts: i32) -> f64 {
@@ -317,13 +369,13 @@ mod tests {
                 let exact = beta / ((0.5 * s).exp() + beta);
                 // The error 4e-5 of exp(−s/2) grows by β/(1 + β exp(−s/2))².
                 let bound = 4e-5 * beta.abs() / (1.0 + beta.min(0.0)).powi(2) + 1e-6;
-                let narrow = f64::from((s as f32).excess(beta as f32));
+                let narrow = f64::from((s as f32).stribeck(beta as f32).0);
                 assert!((narrow - exact).abs() < bound, "f32 at {s}, {beta}: {narrow} {exact}");
-                assert!((s.excess(beta) - exact).abs() < 1e-8, "f64 at {s}, {beta}");
+                assert!((s.stribeck(beta).0 - exact).abs() < 1e-8, "f64 at {s}, {beta}");
             }
-            assert_eq!(1e9_f32.excess(beta as f32), 0.0);
-            assert_eq!(f32::MAX.excess(beta as f32), 0.0);
-            assert!(1e9_f64.excess(beta).abs() < 1e-20);
+            assert_eq!(1e9_f32.stribeck(beta as f32).0, 0.0);
+            assert_eq!(f32::MAX.stribeck(beta as f32).0, 0.0);
+            assert!(1e9_f64.stribeck(beta).0.abs() < 1e-20);
         }
     }
 

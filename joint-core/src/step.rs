@@ -18,7 +18,7 @@ const MOST_MASSES: usize = 9;
 
 /// How the forces change with the angles, at the middle of a micro-step.
 struct Gradient<S, const N: usize> {
-    /// Bristle stiffness σ0 χ and minus the slope of torque effects, on the rotor and each mass.
+    /// Minus the slope of torque effects, on the rotor and each mass.
     rotor: S,
     masses: [S; N],
     /// Tangent stiffness of each spring.
@@ -61,9 +61,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for ((stage, own), first) in state.stages.iter_mut().zip(&self.stages).zip(firsts) {
             own.friction.straighten(&mut stage.mass, first);
         }
-        let turned = (first + state.rotor.speed).times(self.half_turn);
-        self.half_drift(state, ahead, state.angle.ahead(turned));
-        state.angle.advance(turned);
+        let both = first + state.rotor.speed;
+        self.half_drift(state, ahead, state.angle.ahead(both.times(self.half_turn)));
+        state.angle.turn(both, self.half_turn);
         self.forces(state, state.angle);
         self.kick::<2>(state, input, state.angle);
     }
@@ -77,12 +77,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for ((stage, own), level) in state.stages.iter_mut().zip(&self.stages).zip(stages) {
             own.friction.settle(&mut stage.mass, level);
         }
-        self.forces(state, state.angle);
-    }
-
-    /// The forces alone, after small corrections: how far a bristle has given way is kept.
-    #[inline]
-    pub(crate) fn reload(&self, state: &mut State<S, N>) {
         self.forces(state, state.angle);
     }
 
@@ -142,30 +136,38 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// One over the effects' factor on every friction level.
     #[inline(always)]
     fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
-        let mut levels = [S::ONE; N];
-        let mut before = state.rotor.speed;
-        let mut own = angle;
+        let (mut rotor, mut levels) = (S::ONE, [S::ONE; N]);
         let mut wound = S::ZERO;
+        let (speed, transmitted) = (state.rotor.speed, state.current);
+        // A mass's level is found once the stage behind it is known.
+        let mut at = Rubbing { speed, transmitted, passed_on: S::ZERO, angle };
+        let mut level = &mut rotor;
         let stages = state.stages.iter().zip(&self.stages);
-        for ((level, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
-            let felt = self.felt(number, stage.deflection, own);
-            let relative = before - stage.mass.speed;
+        for ((next, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
+            let felt = self.felt(number, stage.deflection, at.angle);
+            let relative = at.speed - stage.mass.speed;
             let mut torque = constants.spring.torque(felt.deflection)
                 + constants.spring.damping_torque(relative) * felt.contact;
             if self.effects.has_stages() {
                 let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
                 torque = torque + beside.value;
             }
-            before = stage.mass.speed;
+            at.passed_on = torque;
+            *level = self.effects.inverse_level(number, at);
+            level = next;
             wound = wound + stage.deflection;
             if self.effects.has_angled_levels() || self.effects.has_stages() {
-                own = constants.own_angle(angle.ahead(-wound.times(self.turns)));
+                at.angle = constants.own_angle(angle.ahead(-wound.times(self.turns)));
             }
-            let at = Rubbing { speed: stage.mass.speed, transmitted: torque, angle: own };
-            *level = self.effects.inverse_level(number + 1, at);
+            at = Rubbing {
+                speed: stage.mass.speed,
+                transmitted: torque,
+                passed_on: S::ZERO,
+                angle: at.angle,
+            };
         }
-        let at = Rubbing { speed: state.rotor.speed, transmitted: state.current, angle };
-        (self.effects.inverse_level(0, at), levels)
+        *level = self.effects.inverse_level(N, at);
+        (rotor, levels)
     }
 
     /// What a stage's spring feels.
@@ -207,12 +209,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let rotor = &mut state.rotor;
         let memory = &state.memory;
         rotor.damping = self.damping(&self.rotor, 0, rotor, memory);
-        gradient.rotor = self.rotor.slope(&rotor.bristle);
         if self.effects.has_torque(0) {
             let at = Motion { angle, turns: self.whole_turn.wide(angle), speed: rotor.speed };
             let torque = self.effects.torque(0, at, memory);
             rotor.force = rotor.force + torque.value;
-            gradient.rotor = gradient.rotor - torque.slope;
+            gradient.rotor = -torque.slope;
         }
 
         let mut wound = S::ZERO;
@@ -238,7 +239,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let mass = &mut stage.mass;
             mass.force = mass.force + torque;
             mass.damping = self.damping(&own.friction, number, mass, memory);
-            *mass_slope = own.friction.slope(&mass.bristle);
             wound = wound + stage.deflection;
             if self.effects.has_torque(number) || self.effects.has_stages() {
                 let motor = angle.ahead(-wound.times(self.turns));
@@ -246,7 +246,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 let at = Motion { angle: input, turns: own.shaft.wide(motor), speed: mass.speed };
                 let torque = self.effects.torque(number, at, memory);
                 mass.force = mass.force + torque.value;
-                *mass_slope = *mass_slope - torque.slope;
+                *mass_slope = -torque.slope;
             }
             before = &mut mass.force;
         }
@@ -258,19 +258,27 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     fn correct(&self, state: &mut State<S, N>, input: Input<S>, gradient: &Gradient<S, N>) {
         let motor = state.current;
         let unloaded = if N == 0 { state.rotor.force - input.load } else { state.rotor.force };
-        let moved = (unloaded + motor).times(self.rotor_gamma);
-        state.rotor.force = state.rotor.force - gradient.rotor * moved;
+        let whole = unloaded + motor;
+        let moved = whole.times(self.rotor_gamma);
+        state.rotor.force = state.rotor.force - self.rotor.shift(&state.rotor.bristle, whole);
+        if self.effects.has_torque(0) {
+            state.rotor.force = state.rotor.force - gradient.rotor * moved;
+        }
         let mut before = (&mut state.rotor.force, moved);
         let slopes = gradient.springs.iter().zip(&gradient.masses);
         for (((stage, own), number), (spring, mass_slope)) in
             state.stages.iter_mut().zip(&self.stages).zip(1..=N).zip(slopes)
         {
+            let shift = |loaded| own.friction.shift(&stage.mass.bristle, loaded);
             let force = &mut stage.mass.force;
             let loaded = if number == N { *force - input.load } else { *force };
             let moved = loaded.times(own.gamma);
             let exchanged = *spring * (before.1 - moved);
             *before.0 = *before.0 - exchanged;
-            *force = *force - *mass_slope * moved + exchanged;
+            *force = *force - shift(loaded) + exchanged;
+            if self.effects.has_torque(number) || self.effects.has_stages() {
+                *force = *force - *mass_slope * moved;
+            }
             before = (force, moved);
         }
     }
@@ -352,7 +360,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let [outer, middle] = own.mobility;
             let mobility = if WHICH == 1 { middle } else { outer };
             let lost = mass.damping.times(mobility);
-            let x = lost * S::HALF;
+            let x = lost.half();
             let gained = force.times(mobility) - lost * mass.speed;
             mass.speed = mass.speed + gained * (S::ONE - x + x * x);
         }

@@ -49,6 +49,7 @@ pub fn gear() -> [Stage; 2] {
         cubic_stiffness_nm_per_rad3: 3.0 * stiffness,
         damping_nm_s_per_rad: 1e-7,
         friction: friction(coulomb),
+        ..Stage::default()
     })
 }
 

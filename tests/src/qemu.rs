@@ -17,6 +17,7 @@ use firmware::block::PAGE_ADDRESS_F405;
 const QEMU: &str = "qemu-system-arm";
 /// What the firmware is built for.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
+const SOFT_TARGET: &str = "thumbv7em-none-eabi";
 const PROGRAMS: [&str; 3] = ["replay", "count", "hil"];
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
@@ -25,6 +26,8 @@ const TIME_LIMIT: Duration = Duration::from_secs(120);
 pub enum Board {
     /// STM32F405, Cortex-M4F; the only one that counts instructions.
     NetduinoPlus2,
+    /// The same without the use of its floating-point unit: programs in fixed point alone.
+    NetduinoPlus2Soft,
     /// MPS2 with a Cortex-M4F.
     Mps2An386,
     /// MPS2 with a Cortex-M7.
@@ -32,13 +35,13 @@ pub enum Board {
 }
 
 impl Board {
-    /// Every board.
+    /// Every board with a floating-point unit in use.
     pub const ALL: [Board; 3] = [Board::NetduinoPlus2, Board::Mps2An386, Board::Mps2An500];
 
     /// Its name in QEMU.
     pub fn machine(self) -> &'static str {
         match self {
-            Board::NetduinoPlus2 => "netduinoplus2",
+            Board::NetduinoPlus2 | Board::NetduinoPlus2Soft => "netduinoplus2",
             Board::Mps2An386 => "mps2-an386",
             Board::Mps2An500 => "mps2-an500",
         }
@@ -47,7 +50,7 @@ impl Board {
     /// Where the page of the parameters lies, by `memory.x`.
     pub fn page_address(self) -> u32 {
         match self {
-            Board::NetduinoPlus2 => PAGE_ADDRESS_F405,
+            Board::NetduinoPlus2 | Board::NetduinoPlus2Soft => PAGE_ADDRESS_F405,
             Board::Mps2An386 | Board::Mps2An500 => PAGE_ADDRESS_F405 - 0x0800_0000,
         }
     }
@@ -108,11 +111,17 @@ pub fn c_compiler(test: &str) -> bool {
 /// It does not build.
 pub fn firmware(program: &str, board: Board) -> PathBuf {
     static STM32: OnceLock<PathBuf> = OnceLock::new();
+    static SOFT: OnceLock<PathBuf> = OnceLock::new();
     static MPS2: OnceLock<PathBuf> = OnceLock::new();
     let folder = match board {
-        Board::NetduinoPlus2 => STM32.get_or_init(|| build("stm32", &[])),
+        Board::NetduinoPlus2 => {
+            STM32.get_or_init(|| build("stm32", TARGET, &["--bins"], &PROGRAMS))
+        }
+        Board::NetduinoPlus2Soft => SOFT.get_or_init(|| {
+            build("soft", SOFT_TARGET, &["--bin", "count_fixed"], &["count_fixed"])
+        }),
         Board::Mps2An386 | Board::Mps2An500 => {
-            MPS2.get_or_init(|| build("mps2", &["--features", "mps2"]))
+            MPS2.get_or_init(|| build("mps2", TARGET, &["--bins", "--features", "mps2"], &PROGRAMS))
         }
     };
     folder.join(program)
@@ -131,7 +140,7 @@ pub fn target_folder() -> PathBuf {
     }
 }
 
-fn build(map: &str, features: &[&str]) -> PathBuf {
+fn build(map: &str, triple: &str, what: &[&str], programs: &[&str]) -> PathBuf {
     let (root, target) = (workspace(), target_folder());
     let folder = target.join("boards").join(map);
     fs::create_dir_all(&folder).unwrap();
@@ -139,18 +148,18 @@ fn build(map: &str, features: &[&str]) -> PathBuf {
     lock.lock().unwrap();
     let status = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()))
         .current_dir(&root)
-        .args(["build", "--quiet", "--release", "--package", "firmware", "--bins"])
-        .args(["--target", TARGET])
-        .args(features)
+        .args(["build", "--quiet", "--release", "--package", "firmware"])
+        .args(["--target", triple])
+        .args(what)
         .arg("--target-dir")
         .arg(&target)
         .status()
         .unwrap();
     assert!(status.success(), "the firmware does not build for {map}");
-    for program in PROGRAMS {
+    for program in programs {
         // By a rename, which leaves whole what another process may be running.
         let fresh = folder.join(format!("{program}.{}", std::process::id()));
-        fs::copy(target.join(TARGET).join("release").join(program), &fresh).unwrap();
+        fs::copy(target.join(triple).join("release").join(program), &fresh).unwrap();
         fs::rename(fresh, folder.join(program)).unwrap();
     }
     folder

@@ -43,6 +43,8 @@ fn gear() -> [Stage; 2] {
         stiffness_nm_per_rad: stiffness,
         cubic_stiffness_nm_per_rad3: 3.0 * stiffness,
         damping_nm_s_per_rad: 1e-7,
+        worm_lead_angle_rad: 0.0,
+        worm_friction_coefficient: 0.0,
         friction: friction(coulomb),
     })
 }

@@ -48,6 +48,8 @@ mod on_board {
             stiffness_nm_per_rad,
             cubic_stiffness_nm_per_rad3: 0.0,
             damping_nm_s_per_rad: 0.0,
+            worm_lead_angle_rad: 0.0,
+            worm_friction_coefficient: 0.0,
             friction: Friction {
                 sigma0_nm_per_rad: 100.0 * stiffness_nm_per_rad,
                 sigma1_nm_s_per_rad: 1e-5,
@@ -76,7 +78,24 @@ mod on_board {
         settings.effects = &cogging;
         let joint = Joint::<f32, 2, EffectSet<f32>>::new(&MOTOR, &STAGES, &load, &settings);
         report("step_f32_cogging", &counter, &joint);
+        sizes();
         board::finish(Ok(()))
+    }
+
+    /// Memory of one two-stage joint without effects, and the stack of its step.
+    fn sizes() {
+        let bytes = size_of::<Joint<f32, 2>>() + size_of::<State<f32, 2>>();
+        println!("ram_bytes={bytes}");
+        let mut settings = Settings::new(Drive::Voltage, 50e-6);
+        settings.micro_steps = Some(1);
+        let Ok(joint) = Joint::<f32, 2>::new(&MOTOR, &STAGES, &Load::default(), &settings) else {
+            return;
+        };
+        let mut state = joint.rest();
+        let input = black_box(joint.input(1.0, 0.0));
+        let used = board::stack_used_by(|| step(&joint, &mut state, input));
+        black_box(&state);
+        println!("stack_bytes={used}");
     }
 
     fn report<const N: usize, E: Effects<f32>, R: core::fmt::Debug>(

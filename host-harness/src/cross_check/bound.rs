@@ -33,6 +33,11 @@ pub fn bound(step_us: f64, micro_steps: u32, quantity: Quantity) -> Option<f64> 
     Some(if tight { state.min(ANGLE) } else { state })
 }
 
+/// The bound for a state in fixed point.
+pub fn fixed_bound(step_us: f64) -> Option<f64> {
+    (step_us <= 50.0).then_some(0.02)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

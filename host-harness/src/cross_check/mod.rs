@@ -14,7 +14,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use bound::{BETWEEN_REFERENCES, bound};
+pub use bound::{BETWEEN_REFERENCES, bound, fixed_bound};
 pub use quantity::Quantity;
 pub use random::{Plant, Random};
 pub use speed::Speed;
@@ -43,6 +43,10 @@ const RUNS: [(f64, Option<u32>); 7] = [
     (100.0, None),
     (100.0, Some(2)),
 ];
+
+/// Number formats of the embedded method.
+const SCALARS: [(ScalarKind, &str); 3] =
+    [(ScalarKind::F32, "f32"), (ScalarKind::F64, "f64"), (ScalarKind::Fixed, "fixed")];
 
 /// One state of one run beside the reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -173,11 +177,14 @@ fn check(model: &Model, scenario: &Scenario) -> Result<Vec<Row>, CrossCheckError
             chosen: forced.is_none(),
             ..like
         };
-        for (scalar, name) in [(ScalarKind::F32, "f32"), (ScalarKind::F64, "f64")] {
+        for (scalar, name) in SCALARS {
             let step = Some(step_us * 1e-6);
             let run = plant::simulate(model, &inputs, scalar, step, forced)?;
             like.scalar = name;
-            compare(&run, &like, &|quantity| bound(step_us, like.micro_steps, quantity));
+            compare(&run, &like, &|quantity| match scalar {
+                ScalarKind::Fixed => fixed_bound(step_us),
+                _ => bound(step_us, like.micro_steps, quantity),
+            });
         }
     }
     Ok(rows)

@@ -63,6 +63,19 @@ pub fn discover(
     logs: &[Log],
     bar: &ProgressBar,
 ) -> Result<Findings, DiscoverError> {
+    discover_without(nominal, logs, &[], bar)
+}
+
+/// The same without some kinds of effects, as if they were not on the list.
+///
+/// # Errors
+/// As [`discover`].
+pub fn discover_without(
+    nominal: &Model,
+    logs: &[Log],
+    withdrawn: &[Kind],
+    bar: &ProgressBar,
+) -> Result<Findings, DiscoverError> {
     let began = Instant::now();
     let coarse = Record::join(logs, None)?;
     if coarse.len() < 200 {
@@ -74,7 +87,7 @@ pub fn discover(
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
     let tested: Vec<f64> = held_out.iter().map(|held| if *held { 1.0 } else { 0.0 }).collect();
     let problem = Problem::new(&record, &fitted);
-    let mut found = search(problem, nominal, bar)?;
+    let mut found = search(problem, nominal, withdrawn, bar)?;
 
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;

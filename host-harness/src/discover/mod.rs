@@ -14,4 +14,4 @@ pub mod score_test;
 pub mod search;
 pub mod whereabouts;
 
-pub use answer::{DiscoverError, STEPS, discover};
+pub use answer::{DiscoverError, STEPS, discover, discover_without};

@@ -46,8 +46,7 @@ pub fn add_protected(
         return Ok(false);
     };
     let scene = Scene::new(&protected.model, problem.record, &test);
-    let hypotheses: Vec<Hypothesis> =
-        candidates::ALL.iter().flat_map(|candidate| candidate(&scene)).collect();
+    let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let least = threshold(gains.iter()).max(LEAST_GAIN);
     let mut ranked: Vec<(&Hypothesis, f64)> =

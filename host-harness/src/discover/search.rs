@@ -34,6 +34,8 @@ pub const LEAST_GAIN: f64 = 60.0;
 /// Times the expected noise from which on a refitted nominal is lost: no linear step from there
 /// can be believed.
 const LOST: f64 = 10.0;
+/// Times the expected noise from which on something is missing even if no score says what.
+const DOUBTED: f64 = 3.0;
 /// Hypotheses that get a short refit, and how many of these a full one.
 const SHORT: usize = 5;
 const FULL: usize = 3;
@@ -80,6 +82,8 @@ pub struct Search {
     pub scores: Vec<ScoreRow>,
     /// Orders of the rotor angle that explain something on the refitted nominal, strongest first.
     pub orders: Vec<f64>,
+    /// Kinds that are not on the list.
+    pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
 }
@@ -91,6 +95,7 @@ pub struct Search {
 pub fn search(
     problem: Problem<'_>,
     nominal: &Model,
+    withdrawn: &[Kind],
     bar: &ProgressBar,
 ) -> Result<Search, BuildError> {
     bar.set_message("refitting the nominal");
@@ -103,18 +108,21 @@ pub fn search(
         rounds: Vec::new(),
         scores: Vec::new(),
         orders: Vec::new(),
+        withdrawn: withdrawn.to_vec(),
         expected,
     };
     for round in 1..=MOST_EFFECTS {
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
-        let lost = is_lost(&search);
-        if lost && add_protected(problem, &mut search, round)? {
+        let excess = excess(&search);
+        if excess > LOST && add_protected(problem, &mut search, round)?
+            || add_one(problem, &mut search, round)?
+            // Noise that swallows what is missing hides it from the plain test as well.
+            || excess > DOUBTED && excess <= LOST && add_protected(problem, &mut search, round)?
+        {
             continue;
         }
-        if !add_one(problem, &mut search, round)? {
-            break;
-        }
+        break;
     }
     bar.set_message("trying to do without");
     drop_needless(problem, &mut search)?;
@@ -131,10 +139,10 @@ pub fn search(
     Ok(search)
 }
 
-/// Whether what is missing has bent the fit so far that its linear steps cannot be believed.
-fn is_lost(search: &Search) -> bool {
+/// How many times the noise that is expected the fit needs.
+fn excess(search: &Search) -> f64 {
     let (noise, expected) = (&search.after.fit.noise, &search.expected);
-    noise.torque > LOST * expected.torque || noise.drive > LOST * expected.drive
+    (noise.torque / expected.torque).max(noise.drive / expected.drive)
 }
 
 fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
@@ -143,8 +151,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         return Ok(false);
     };
     let scene = Scene::new(&base.fit.model, problem.record, &test);
-    let hypotheses: Vec<Hypothesis> =
-        candidates::ALL.iter().flat_map(|candidate| candidate(&scene)).collect();
+    let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let listed = candidates::listed(&scene);
     let lines: Vec<(f64, Gain)> =

@@ -42,7 +42,7 @@ pub struct Wrong {
 
 impl Default for Wrong {
     fn default() -> Self {
-        Self { motor: 0.002, chain: 0.01, friction: 0.03 }
+        Self { motor: 5e-4, chain: 3e-3, friction: 8e-3 }
     }
 }
 

@@ -32,6 +32,14 @@ impl Rating {
         Self { drive, load_nm, current_a: f64::INFINITY }
     }
 
+    /// What the friction of the whole joint holds at the output, Nm.
+    pub fn held(model: &Model) -> f64 {
+        let bases = Bases::si(&model.motor, &model.stages);
+        let shaft = bases.shaft(model.stages.len()).abs();
+        let held = super::design::breakaway_nm(model) / shaft;
+        if held > 0.0 { held } else { 0.01 * model.motor.torque_constant_nm_per_a / shaft }
+    }
+
     /// A quarter of the torque at the output that this drive holds at a standstill, Nm.
     pub fn holds(model: &Model, kind: Drive, drive: f64) -> f64 {
         let bases = Bases::si(&model.motor, &model.stages);

@@ -52,7 +52,7 @@ pub fn twin(
 ) -> Result<Twin, BuildError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let drive = drive(rating, samples, &mut random);
-    let (load, jumps) = load(rating.load_nm, step_s, samples, &mut random);
+    let (load, jumps) = load(rating.load_nm, samples, &mut random);
     let times: Vec<f64> = (0..samples).map(|k| k as f64 * step_s).collect();
     let grid = Grid::new(&times, None);
     let plant = plant(truth, &grid, kind)?;
@@ -107,26 +107,26 @@ fn drive(rating: &Rating, samples: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 /// Nothing, jumps, and waves of several lengths.
-fn load(most: f64, step_s: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<usize>) {
+fn load(most: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<usize>) {
     let parts = 14;
     let length = samples.div_ceil(parts).max(1);
     let mut values: Vec<f64> = Vec::with_capacity(samples);
     let mut jumps = Vec::new();
+    let mut held = most;
     for part in 0..parts {
         let sign = if random.random() { 1.0 } else { -1.0 };
         let level = sign * most * random.random_range(0.5..1.0);
-        let style = part % 4;
         // From half a wave to eight in a part.
         let waves = random.random_range(0.0_f64..4.0).exp2() * 0.5;
         for k in 0..length {
             let share = k as f64 / length as f64;
-            values.push(match style {
-                0 | 2 if part == 0 => 0.0,
-                1 => level,
-                3 => level * (TAU * waves * share).sin(),
+            values.push(match part % 7 {
+                2 | 3 => held,
+                5 => level * (TAU * waves * share).sin(),
                 _ => 0.0,
             });
         }
+        held = if part % 7 == 2 { held } else { level };
     }
     values.truncate(samples);
     for k in 1..values.len() {
@@ -134,6 +134,5 @@ fn load(most: f64, step_s: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec
             jumps.push(k);
         }
     }
-    let _ = step_s;
     (values, jumps)
 }

@@ -177,10 +177,8 @@ impl Equations {
         for (k, mass) in self.masses.iter().enumerate() {
             let speed = speeds[k];
             let own = Angle::from_turns(angle * mass.shaft / TAU);
-            let at = Rubbing { speed, transmitted, angle: own };
-            let (friction, slip) = self.friction(k, mass, at, bristles[k], &memory);
-            bristle_rate[k] = slip;
-            let mut force = driving - friction;
+            let mut at = Rubbing { speed, transmitted, passed_on: 0.0, angle: own };
+            let mut force = driving;
             if let Some(spring) = self.springs.get(k) {
                 deflection_rate[k] = speed - speeds[k + 1];
                 let (felt, beside) = match &self.effects {
@@ -199,9 +197,13 @@ impl Equations {
                 driving = elastic + damping;
                 force -= elastic * felt.leverage + damping;
                 transmitted = driving;
+                at.passed_on = driving;
             } else {
                 force -= held.load * mass.shaft;
             }
+            let (friction, slip) = self.friction(k, mass, at, bristles[k], &memory);
+            bristle_rate[k] = slip;
+            force -= friction;
             if let Some(effects) = &self.effects {
                 let at = Motion { angle: own, turns: angle * mass.shaft / TAU, speed };
                 force += effects.torque(k, at, &memory).value - effects.drag(k, speed) * speed;

@@ -6,6 +6,7 @@
 //! measured the way the paper words it ([`numbers`]); where it disagrees, the row says why.
 
 pub mod claim;
+pub mod commutation;
 pub mod driven;
 pub mod figure;
 pub mod numbers;
@@ -21,8 +22,10 @@ use joint_core::params::{Friction, Location};
 use rayon::prelude::*;
 
 use crate::model::Model;
+use crate::planetary::{self, Gear, Mode, Reduction, Soft};
 use crate::plant::{self, Inputs, ScalarKind};
 use claim::Claim;
+use commutation::Commutation;
 use numbers::Number;
 use scene::Scene;
 use trace::Trace;
@@ -33,6 +36,9 @@ pub use pages::{figures, page};
 const MESH_FRICTION: f64 = 0.22;
 /// Voltage of the friction's share over k_t: the speed that it would give without, rad/s.
 const FREE_SPEED: f64 = 500.0;
+
+/// Voltage at which the six-step motor is shown beside its DC equivalent, V.
+const COMMUTATED_V: f64 = 6.0;
 
 /// A scenario run with one of the two motors.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +77,12 @@ pub struct Runs {
     pub friction_loss: f64,
     /// Ratio of the gear.
     pub ratio: f64,
+    /// The six-step motor beside its DC equivalent.
+    pub commutation: Commutation,
+    /// Modes of one full planetary stage.
+    pub modes: Vec<Mode>,
+    /// The full chain beside equation (1), its shafts soft.
+    pub reduction: Reduction,
 }
 
 impl Runs {
@@ -116,6 +128,10 @@ pub fn run(model: &Model, done: impl Fn() + Sync) -> Result<Runs, String> {
         efficiency: Efficiency::default(),
         friction_loss: friction_loss(model)?,
         ratio: model.stages.iter().map(|stage| stage.reduction).product(),
+        commutation: commutation::run(model, COMMUTATED_V)?,
+        modes: planetary::modes(&Gear::micro()),
+        reduction: planetary::reduction(&Gear::micro(), model, Soft::Shafts)
+            .ok_or("the joint has other than two stages, or stages stiffer than their meshes")?,
     };
     let nominal = runs.of("nominal_load", true);
     let (motor, gear) = efficiency(model, nominal);

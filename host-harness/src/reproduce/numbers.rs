@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::trace::{Trace, peak};
 use super::{Efficiency, Runs};
+use crate::planetary::{ModeKind, Reduction};
 
 /// One stated number, a row of `reproduce.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -130,6 +131,7 @@ pub fn numbers(runs: &Runs) -> Vec<Number> {
         }
     }
     joint(&mut table, runs);
+    planetary(&mut table, runs);
     conclusions(&mut table, runs);
     table.0
 }
@@ -281,6 +283,40 @@ fn joint(table: &mut Table, runs: &Runs) {
          the plateau is the motor's, 1, and vibration adds to it. A fall to 0.7 would lose 30 % of the \
          angle, which figure 7 excludes",
     );
+}
+
+fn planetary(table: &mut Table, runs: &Runs) {
+    table.push(
+        ["planetary-freedoms", "3", "degrees of freedom of a full stage with four planets", "1"],
+        Stated::About(42.0),
+        runs.modes.len() as f64,
+        "6 (3 + p); after Eritenel and Parker, parameters assumed",
+    );
+    let kinds = [
+        ModeKind::RotationalAxial,
+        ModeKind::TranslationalTilting,
+        ModeKind::Planet,
+        ModeKind::Mixed,
+    ];
+    let seen = |kind: &&ModeKind| runs.modes.iter().any(|mode| mode.kind == **kind);
+    table.push(
+        ["planetary-groups", "3", "groups of its modes", "1"],
+        Stated::About(3.0),
+        kinds.iter().filter(seen).count() as f64,
+        "12 rotational-axial, 12 pairs of translational-tilting, 6 planet modes",
+    );
+    for (id, quantity, k) in [
+        ("reduction-low", "low frequency of (1) over that of the full chain", 0),
+        ("reduction-middle", "middle frequency of (1) over that of the full chain", 1),
+    ] {
+        let Reduction { reduced_hz, full_hz, next_hz, freedoms } = runs.reduction;
+        let note = format!(
+            "{:.0} Hz of {freedoms} degrees of freedom, shafts soft and meshes stiff; the next mode is at \
+             {next_hz:.0} Hz",
+            full_hz[k]
+        );
+        table.push([id, "3", quantity, "1"], Stated::About(1.0), reduced_hz[k] / full_hz[k], note);
+    }
 }
 
 fn conclusions(table: &mut Table, runs: &Runs) {

@@ -83,6 +83,11 @@ pub fn figures(runs: &Runs) -> Vec<Figure> {
         );
     }
     all.push((
+        "commutation.svg".to_owned(),
+        "Equations (4) to (10): three phases and their DC equivalent".to_owned(),
+        svg(&commutation(runs)),
+    ));
+    all.push((
         "claim.svg".to_owned(),
         "Section 5.1: error over step and over cost".to_owned(),
         svg(&claim(runs)),
@@ -128,6 +133,33 @@ fn normalised(trace: &Trace, title: &str, window: Option<[f64; 2]>) -> Panel {
     let scaled: Vec<Vec<f64>> =
         trace.speed.iter().map(|level| level.iter().map(|v| v / top).collect()).collect();
     panel(title, "speed over the reference's amplitude", window, levels(trace, &scaled))
+}
+
+fn commutation(runs: &Runs) -> Vec<Panel> {
+    let found = &runs.commutation;
+    let line = |name: &str, y: &[f64]| Line {
+        name: name.to_owned(),
+        x: found.time_s.clone(),
+        y: y.to_vec(),
+    };
+    let [a, b, c] = &found.phases_a;
+    let [three, one] = &found.speed;
+    let magnified = found.time_s.first().map(|start| [*start, start + 4e-4]);
+    vec![
+        panel("phase currents", "A", None, vec![line("a", a), line("b", b), line("c", c)]),
+        panel(
+            "torque over k_t",
+            "A",
+            magnified,
+            vec![line("three phases", &found.torque_a), line("DC equivalent", &found.equivalent_a)],
+        ),
+        panel(
+            "speed",
+            "rad/s",
+            None,
+            vec![line("three phases", three), line("DC equivalent", one)],
+        ),
+    ]
 }
 
 fn claim(runs: &Runs) -> Vec<Panel> {

@@ -1,10 +1,12 @@
 //! How often discovery is right, over logs whose truth is known.
 
+pub mod blind;
 mod summary;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use joint_core::effect::Kind;
 use serde::{Deserialize, Serialize};
 
 use crate::discover::findings::{Answer, Verdict};
@@ -134,15 +136,24 @@ fn gap_closed(verdict: &Verdict) -> Option<f64> {
     (before > 0.0).then(|| 1.0 - (after / before).sqrt())
 }
 
-/// Relative error of an effect's main parameter: the first that is neither an order nor a phase.
+/// Relative error of an effect's main parameter: the first that is neither an order nor a phase,
+/// over the square of its reference where it only shows together with that.
 fn parameter_error(truth: &TrueEffect, found: &BTreeMap<String, f64>) -> Option<f64> {
-    let kind = joint_core::effect::Kind::from_name(&truth.kind)?;
-    let main = kind
-        .spec()
-        .parameters
-        .iter()
-        .find(|spec| spec.key != "order" && !spec.key.contains("phase"))?;
-    let wanted = truth.parameters.get(main.key)?.as_f64()?;
-    let got = found.get(main.key)?;
+    let kind = Kind::from_name(&truth.kind)?;
+    let parameters = kind.spec().parameters;
+    let main = parameters.iter().find(|spec| spec.key != "order" && !spec.key.contains("phase"))?;
+    let beside = match kind {
+        Kind::SupplySag => Some("bus_voltage_v"),
+        Kind::WindingHeating => Some("reference_current_a"),
+        Kind::LubricantWarming => Some("reference_speed_rad_per_s"),
+        _ => None,
+    };
+    let true_value = |key: &str| truth.parameters.get(key).and_then(serde_json::Value::as_f64);
+    let mut wanted = true_value(main.key)?;
+    let mut got = *found.get(main.key)?;
+    if let Some(beside) = beside {
+        wanted /= true_value(beside)?.powi(2);
+        got /= found.get(beside)?.powi(2);
+    }
     (wanted != 0.0).then(|| ((got - wanted) / wanted).abs())
 }

@@ -6,11 +6,13 @@
 //! follows from the seed.
 
 mod excitation;
+mod hidden;
 mod perturbed;
 #[cfg(test)]
 mod tests;
 
 pub use excitation::{amplitude_v, excitation};
+pub use hidden::{hidden, kinds};
 pub use perturbed::perturbed;
 
 use std::f64::consts::TAU;

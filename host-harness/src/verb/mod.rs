@@ -4,6 +4,7 @@
 //! wrong; it prints nothing on standard output itself, so that `--json` yields one object whatever
 //! the verb.
 
+pub mod budget;
 pub mod capture;
 pub mod cross_check;
 pub mod demo;

@@ -120,7 +120,8 @@ fn observed_by<const N: usize>(
     Ok(format!("{}\n{}", table::header(N), table::rows(&log.time_s, &found, &shafts)))
 }
 
-/// The largest load that a log shows to observers designed for less and less, Nm.
+/// The largest load that a log shows, Nm: from one that friction holds upwards, as an observer that
+/// expects far too much sees it in every count of the encoder.
 fn seen_load<const N: usize>(
     model: &Model,
     kind: Drive,
@@ -129,18 +130,19 @@ fn seen_load<const N: usize>(
     samples: &[Seen],
     steps: &[u32],
 ) -> Result<f64, BuildError> {
-    for _ in 0..3 {
+    let most = rating.load_nm;
+    rating.load_nm = Rating::held(model).min(most);
+    for _ in 0..6 {
         let design = gains::<N>(model, kind, step_s, &rating, &Tuning::default())?;
         let found = run_over(&observer::<f64, N>(model, kind, step_s, &design)?, samples, steps);
         let mut loads: Vec<f64> = found.iter().map(|f| f.estimate.load.abs()).collect();
         loads.sort_by(f64::total_cmp);
-        let most =
-            loads[(loads.len() - 1) * 99 / 100].clamp(0.02 * rating.load_nm, 4.0 * rating.load_nm);
-        let near = (most / rating.load_nm).ln().abs() < 0.3;
-        rating.load_nm = most;
-        if near {
+        let shown = loads.get(loads.len() * 98 / 100).copied().unwrap_or(0.0);
+        if shown < 1.2 * rating.load_nm {
+            rating.load_nm = rating.load_nm.min(shown.max(0.5 * rating.load_nm));
             break;
         }
+        rating.load_nm = shown.min(10.0 * most);
     }
     Ok(rating.load_nm)
 }

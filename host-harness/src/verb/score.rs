@@ -1,27 +1,35 @@
 //! `joint score`: how often discovery is right, over logs whose truth is known.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
 use super::discover::{failure, write};
 use super::{Common, Failure, Outcome, read_log, read_model};
-use crate::discover::discover;
+use crate::discover::{discover, discover_without};
 use crate::log::Need;
 use crate::output::OutDir;
-use crate::score::{Summary, cases, files, row, table};
+use crate::score::blind::trial;
+use crate::score::{Row, Summary, cases, files, row, table};
 
-/// Run discover over a folder of logs whose truth is known, and score it
+/// Run discover over logs whose truth is known, and score it
 ///
 /// Writes `score.json`, and each case's verdict, model, report and residuals in a folder of its
 /// own.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
-  joint score --set practice --out scores")]
+  joint score --set practice --out scores
+  joint score --simulate 48 --out scores")]
 pub struct Args {
     /// Folder with `truth.json` and a folder a case, each with a log and `nominal.toml`
-    #[arg(long, value_name = "DIR")]
-    pub set: PathBuf,
+    #[arg(long, value_name = "DIR", required_unless_present = "simulate")]
+    pub set: Option<PathBuf>,
+    /// Score on so many joints drawn at random instead
+    #[arg(long, value_name = "N", conflicts_with = "set")]
+    pub simulate: Option<u64>,
+    /// Which joints are drawn
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "simulate")]
+    pub seed: u64,
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -35,13 +43,26 @@ pub struct Args {
 /// # Errors
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let cases = cases(&args.set, &args.kinds).map_err(Failure::input)?;
     let out = OutDir::new(&args.out, common.force)?;
+    let rows = match (&args.set, args.simulate) {
+        (Some(set), _) => of_set(set, args, &out, common)?,
+        (None, count) => drawn(args.seed, count.unwrap_or(0), common)?,
+    };
+    let summary = Summary::of(&rows);
+    let json = json!({"cases": rows, "summary": summary});
+    let pretty =
+        serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
+    out.write("score.json", pretty)?;
+    Ok(Outcome::done(json, table(&rows, &summary)))
+}
+
+fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<Row>, Failure> {
+    let cases = cases(set, &args.kinds).map_err(Failure::input)?;
     let bar = common.progress(cases.len() as u64, "score");
     let mut rows = Vec::new();
     for case in &cases {
         bar.set_message(case.case.clone());
-        let (model, logs) = files(&args.set, case);
+        let (model, logs) = files(set, case);
         let model = read_model(&model)?;
         let logs: Vec<_> =
             logs.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
@@ -52,10 +73,22 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let summary = Summary::of(&rows);
-    let json = json!({"cases": rows, "summary": summary});
-    let pretty =
-        serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
-    out.write("score.json", pretty)?;
-    Ok(Outcome::done(json, table(&rows, &summary)))
+    Ok(rows)
+}
+
+fn drawn(seed: u64, count: u64, common: &Common) -> Result<Vec<Row>, Failure> {
+    let bar = common.progress(count, "score");
+    let mut rows = Vec::new();
+    for number in 0..count {
+        let trial = trial(seed, number).map_err(|error| Failure::check(error.to_string()))?;
+        bar.set_message(trial.case.case.clone());
+        let hidden = indicatif::ProgressBar::hidden();
+        let withdrawn: Vec<_> = trial.withdrawn.into_iter().collect();
+        let findings =
+            discover_without(&trial.nominal, &[trial.log], &withdrawn, &hidden).map_err(failure)?;
+        rows.push(row(&trial.case, &findings.verdict));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(rows)
 }

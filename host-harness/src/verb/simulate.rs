@@ -67,6 +67,8 @@ pub enum Scalar {
     F64,
     /// Single precision, bit for bit as on the drive
     F32,
+    /// Fixed point, bit for bit as on a drive without a floating-point unit
+    Fixed,
 }
 
 /// Runs the verb.
@@ -106,6 +108,7 @@ fn solve(args: &Args, model: &Model, inputs: &Inputs) -> Result<Vec<Snapshot>, F
             let scalar = match scalar {
                 Scalar::F64 => ScalarKind::F64,
                 Scalar::F32 => ScalarKind::F32,
+                Scalar::Fixed => ScalarKind::Fixed,
             };
             crate::plant::simulate(model, inputs, scalar, step_s, None).map_err(refused)
         }
@@ -119,7 +122,7 @@ fn solve(args: &Args, model: &Model, inputs: &Inputs) -> Result<Vec<Snapshot>, F
             resolved(args, model, inputs, &snapshots)?;
             Ok(snapshots)
         }
-        (Method::Reference, Scalar::F32) => Err(Failure::input(
+        (Method::Reference, Scalar::F32 | Scalar::Fixed) => Err(Failure::input(
             "--method reference computes in f64 only\n  help: leave --scalar out",
         )),
     }

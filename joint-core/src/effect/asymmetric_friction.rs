@@ -85,7 +85,7 @@ mod tests {
     fn a_positive_asymmetry_raises_friction_in_positive_direction() {
         let law = AsymmetricFriction::<f64>::new(0, &[0.25, -0.5], false);
         let level = |speed| {
-            let at = Rubbing { speed, transmitted: 0.0, angle: Angle::default() };
+            let at = Rubbing { speed, transmitted: 0.0, passed_on: 0.0, angle: Angle::default() };
             1.0 / law.inverse_level(0, at)
         };
         assert!((level(1.0) - 1.25).abs() < 1e-12 && (level(-1.0) - 0.75).abs() < 1e-12);

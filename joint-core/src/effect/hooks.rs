@@ -60,9 +60,11 @@ pub struct Felt<S> {
 pub struct Rubbing<S> {
     /// Speed of the mass.
     pub speed: S,
-    /// Torque that the mass passes on: its stage's torque, spring and damper; the motor torque for
-    /// the rotor.
+    /// Torque that reaches the mass: its stage's, spring and damper; the motor torque for the
+    /// rotor.
     pub transmitted: S,
+    /// Torque of the stage behind the mass, spring and damper; zero for the last mass.
+    pub passed_on: S,
     /// Angle of the mass modulo its own turns; zero unless [`Effects::has_angled_levels`].
     pub angle: Angle<S>,
 }

@@ -60,7 +60,7 @@ mod tests {
     fn the_added_level_is_mu_times_the_torque() {
         let (mu, coulomb) = (0.12, 0.3);
         let law = LoadDependentFriction::<f64>::new(0, &[mu], coulomb, 1.0);
-        let at = Rubbing { speed: 1.0, transmitted: -2.0, angle: Angle::default() };
+        let at = Rubbing { speed: 1.0, transmitted: -2.0, passed_on: 0.0, angle: Angle::default() };
         let level = coulomb / law.inverse_level(0, at);
         assert!((level - (coulomb + mu * 2.0)).abs() < 1e-12);
     }

@@ -74,6 +74,8 @@ macro_rules! effects {
         #[non_exhaustive]
         pub enum Effect<S: Scalar> {
             $(#[doc = concat!("[`", stringify!($module), "`].")] $name($module::$name<S>),)+
+            /// The mesh of a worm stage, [`crate::worm`]: a law of the stage, not of an `[[effect]]`.
+            Worm($crate::worm::Worm<S>),
         }
 
         $(impl<S: Scalar> From<$module::$name<S>> for Effect<S> {
@@ -87,6 +89,7 @@ macro_rules! effects {
             ($effect:expr, $law:ident => $call:expr) => {
                 match $effect {
                     $($crate::effect::Effect::$name($law) => $call,)+
+                    $crate::effect::Effect::Worm($law) => $call,
                 }
             };
         }

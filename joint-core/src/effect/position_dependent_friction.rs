@@ -77,7 +77,7 @@ mod tests {
         for k in -10..10 {
             let q = 0.27 * f64::from(k);
             let angle = Angle::from_turns(q / core::f64::consts::TAU);
-            let at = Rubbing { speed: 1.0, transmitted: 0.0, angle };
+            let at = Rubbing { speed: 1.0, transmitted: 0.0, passed_on: 0.0, angle };
             let level = 1.0 / law.inverse_level(1, at);
             assert!((level - (1.0 + 0.6 * (2.0 * q + 0.5).sin())).abs() < 1e-8);
             assert_eq!(law.inverse_level(0, at), 1.0);

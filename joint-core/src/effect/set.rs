@@ -9,6 +9,7 @@ use crate::angle::Angle;
 use crate::params::{Load, Location};
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
+use crate::worm::Worm;
 use heapless::Vec;
 
 /// Most effects one joint has.
@@ -142,7 +143,7 @@ impl<S: Scalar> From<EffectSet<S>> for Laws<S> {
 }
 
 impl<S: Scalar> EffectSet<S> {
-    /// The laws of these effects and of the load's gravity; `None` where a place does not exist,
+    /// The laws of these effects, of the load's gravity and of worm stages; `None` where a place does not exist,
     /// or there are more than [`MAX_EFFECTS`], or more than [`MEMORIES`] that remember.
     pub fn new(effects: &[EffectParameters], load: &Load, bases: &Bases<'_>) -> Option<Self> {
         let mut laws = Laws::new();
@@ -151,6 +152,11 @@ impl<S: Scalar> EffectSet<S> {
                 .with("amplitude_nm", load.gravity_nm)
                 .with("phase_rad", load.gravity_phase_rad);
             laws.push(Effect::new(&gravity, bases, 0)?).ok()?;
+        }
+        for (mass, stage) in bases.stages().iter().enumerate() {
+            if let Some(worm) = Worm::new(mass, stage, bases) {
+                laws.push(Effect::Worm(worm)).ok()?;
+            }
         }
         let mut slot = 0;
         for effect in effects {

@@ -131,7 +131,7 @@ impl<S: Scalar> RotorKick<S> {
             + excess.times(self.per_excess)
             + drive.times(self.per_drive)
             - speed.times(self.induced);
-        let x = damping.times(self.per_torque) * S::HALF;
+        let x = damping.times(self.per_torque).half();
         let new = speed + gained * (S::ONE - x + x * x);
         let current =
             drive + excess.times(self.decay) + speed.times(self.before) - new.times(self.after);

@@ -44,7 +44,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let (joint, gains, state) = (&self.joint, &self.gains, &track.state);
         let torque = joint.units.torque;
         let rotor = &state.rotor;
-        let motor_friction = joint.rotor.standing(rotor) + rotor.damping * rotor.speed;
+        let motor_friction = joint.rotor.felt(rotor);
         let mut total = motor_friction;
         let mut wound = S::ZERO;
         let mut stage_friction = [S::ZERO; N];
@@ -55,7 +55,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             state.stages.iter().zip(constants).zip(out)
         {
             let mass = &stage.mass;
-            let felt = own.friction.standing(mass) + mass.damping * mass.speed;
+            let felt = own.friction.felt(mass);
             total = total + felt;
             *friction = felt.times(torque);
             *windup = stage.deflection.times(*gain);

@@ -190,9 +190,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let row = regime.row(seen, bent);
         track.row = row as u8;
         if let Some(set) = gains.sets.get(row) {
-            apply(track, set, &found);
+            self.apply(track, set, &found);
         }
-        self.joint.reload(&mut track.state);
 
         let (load, bias) = (track.load, track.bias);
         track.load = bounded(load, gains.most_load);
@@ -212,6 +211,49 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             *track = Track { last, status, ..self.start(turns) };
         }
         status
+    }
+
+    /// Adds the gains times the innovations, and to the forces that the step keeps what follows from
+    /// them: the springs' by their tangents, the bristles'.
+    #[inline(always)]
+    fn apply(
+        &self,
+        track: &mut Track<S, N>,
+        [first, second, third]: &[Column<S::Gain, N>; CHANNELS],
+        found: &[S; CHANNELS],
+    ) {
+        let [current, motor, output] = *found;
+        let sum = |a: S::Gain, b: S::Gain, c: S::Gain| {
+            let both = current.times(a) + motor.times(b);
+            if N > 0 { both + output.times(c) } else { both }
+        };
+        macro_rules! sum {
+            ($($field:tt)+) => { sum(first.$($field)+, second.$($field)+, third.$($field)+) };
+        }
+        let State { current, angle, rotor, stages, .. } = &mut track.state;
+        *current = *current + sum!(current);
+        angle.advance(sum!(angle));
+        rotor.speed = rotor.speed + sum!(speed);
+        let bent = sum!(bristle);
+        rotor.bristle.zeta = rotor.bristle.zeta + bent;
+        rotor.force = rotor.force - self.joint.rotor.per_bristle(bent);
+        let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
+        let mut before = &mut rotor.force;
+        for ((stage, own), ((a, b), c)) in stages.iter_mut().zip(&self.joint.stages).zip(rows) {
+            let wound = sum(a.deflection, b.deflection, c.deflection);
+            let torque = own.spring.slope(stage.deflection) * wound;
+            stage.deflection = stage.deflection + wound;
+            let mass = &mut stage.mass;
+            mass.speed = mass.speed + sum(a.speed, b.speed, c.speed);
+            let bent = sum(a.bristle, b.bristle, c.bristle);
+            mass.bristle.zeta = mass.bristle.zeta + bent;
+            *before = *before - torque;
+            mass.force = mass.force + torque - own.friction.per_bristle(bent);
+            before = &mut mass.force;
+        }
+        track.load = track.load + sum!(load);
+        track.slope = track.slope + sum!(slope);
+        track.bias = track.bias + sum!(bias);
     }
 
     /// The first samples: an angle, then a speed.
@@ -289,38 +331,6 @@ fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
     let shown = part + effects.encoder_error(true, angle, speed);
     let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
     (beyond - shown).split_turns().1
-}
-
-/// Adds the gains times the innovations.
-#[inline(always)]
-fn apply<S: Scalar, const N: usize>(
-    track: &mut Track<S, N>,
-    [first, second, third]: &[Column<S::Gain, N>; CHANNELS],
-    found: &[S; CHANNELS],
-) {
-    let [current, motor, output] = *found;
-    let sum = |a: S::Gain, b: S::Gain, c: S::Gain| {
-        current.times(a) + motor.times(b) + if N > 0 { output.times(c) } else { S::ZERO }
-    };
-    macro_rules! add {
-        ($value:expr, $($field:tt)+) => {
-            $value = $value + sum(first.$($field)+, second.$($field)+, third.$($field)+)
-        };
-    }
-    let state = &mut track.state;
-    add!(state.current, current);
-    state.angle.advance(sum(first.angle, second.angle, third.angle));
-    add!(state.rotor.speed, speed);
-    add!(state.rotor.bristle.zeta, bristle);
-    let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
-    for (stage, ((a, b), c)) in state.stages.iter_mut().zip(rows) {
-        stage.deflection = stage.deflection + sum(a.deflection, b.deflection, c.deflection);
-        stage.mass.speed = stage.mass.speed + sum(a.speed, b.speed, c.speed);
-        stage.mass.bristle.zeta = stage.mass.bristle.zeta + sum(a.bristle, b.bristle, c.bristle);
-    }
-    add!(track.load, load);
-    add!(track.slope, slope);
-    add!(track.bias, bias);
 }
 
 /// The value within ± `most`; zero where it is no number.

@@ -29,6 +29,8 @@ mod winding_heating;
 pub(super) use cogging::listed;
 pub use scene::Scene;
 
+use joint_core::effect::Kind;
+
 use super::hypothesis::Hypothesis;
 
 /// Proposes hypotheses for one kind of effect.
@@ -58,3 +60,9 @@ pub const ALL: &[Candidate] = &[
     transmission_error::propose,
     winding_heating::propose,
 ];
+
+/// What all candidates propose, but for kinds that are withdrawn.
+pub fn proposed(scene: &Scene<'_>, withdrawn: &[Kind]) -> Vec<Hypothesis> {
+    let all = ALL.iter().flat_map(|candidate| candidate(scene));
+    all.filter(|hypothesis| !withdrawn.contains(&hypothesis.start.kind)).collect()
+}

@@ -1,0 +1,427 @@
+//! Fixed point, for a drive without a floating-point unit: 32-bit words, 64-bit products.
+//!
+//! A state is a multiple of 2⁻²⁶ between −32 and 32. The joint's units ([`crate::per_unit`]) keep
+//! what is admissible far inside that; what is not stops at the limits and does not wrap, and
+//! [`crate::joint::Joint::saturated`] tells. A constant of the model has an exponent of its own
+//! ([`Gain`]), so ten decades of them cost no resolution. Products round to the nearest, which keeps
+//! a joint in stick where it is. Nothing here divides: reciprocals are found by Newton's iteration
+//! on a normalised mantissa, and no float is touched once the constants are built.
+
+use core::ops::{Add, Mul, Neg, Sub};
+
+use crate::scalar::Scalar;
+
+/// Binary places of a state.
+const PLACES: u32 = 26;
+const UNIT: i32 = 1 << PLACES;
+
+/// A number between −32 and 32 in steps of 2⁻²⁶, about 1.5e-8.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Fixed(i32);
+
+/// A constant below one half as a mantissa of 31 bits and an exponent, or a larger one, up to 32768,
+/// in steps of 2⁻¹⁶.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Gain {
+    mantissa: i32,
+    /// Half of what the shift drops of the product's upper word.
+    half: i32,
+    /// Bits by which that is moved down; [`LARGE`] for a constant in steps of 2⁻¹⁶.
+    shift: u8,
+}
+
+/// Marks a constant of one half or more.
+const LARGE: u8 = 0x80;
+
+impl Default for Gain {
+    /// Zero.
+    fn default() -> Self {
+        Self { mantissa: 0, half: 0, shift: 0 }
+    }
+}
+
+impl Fixed {
+    /// The largest number; sums and products stop here.
+    pub const MAX: Fixed = Fixed(i32::MAX);
+    /// The smallest one.
+    pub const MIN: Fixed = Fixed(i32::MIN);
+
+    /// From its bits: a multiple of 2⁻²⁶.
+    pub const fn from_bits(bits: i32) -> Self {
+        Self(bits)
+    }
+
+    /// Its bits.
+    pub const fn to_bits(self) -> i32 {
+        self.0
+    }
+}
+
+/// The product's bits from this place on, or the nearest 32-bit number, to 64 of its last place.
+#[inline(always)]
+fn from_place<const PLACE: u32>(product: i64) -> i32 {
+    let limit = 1_i32 << (PLACE - 1);
+    let high = ((product >> 32) as i32).clamp(-limit, limit - 1);
+    (high << (32 - PLACE)) | ((product as u32) >> PLACE) as i32
+}
+
+/// The nearest 32-bit number.
+#[inline]
+fn narrow(wide: i64) -> i32 {
+    wide.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+}
+
+/// Upper word of a product of 32-bit fractions, rounded down.
+#[inline(always)]
+fn upper(a: i32, b: i32) -> i32 {
+    ((i64::from(a) * i64::from(b)) >> 32) as i32
+}
+
+impl Add for Fixed {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0.saturating_add(other.0))
+    }
+}
+
+impl Sub for Fixed {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.saturating_sub(other.0))
+    }
+}
+
+impl Neg for Fixed {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(0_i32.saturating_sub(self.0))
+    }
+}
+
+impl Mul for Fixed {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(from_place::<PLACES>(i64::from(self.0) * i64::from(other.0)))
+    }
+}
+
+/// A divisor of at least 1/64, a smaller one taken for that: the bits by which it is moved up to
+/// stand between ½ and 1, and the reciprocal of what it then is, in units of 2⁻²⁹.
+///
+/// The line 48/17 − 32/17 D is within 1/17 of 1/D; each Newton step squares that.
+#[inline(always)]
+fn reciprocal<const STEPS: u32>(by: Fixed) -> (u32, i32) {
+    let by = if by.0 > UNIT / 64 { by.0 } else { UNIT / 64 };
+    let lead = by.leading_zeros() - 1;
+    let d = by << lead;
+    let mut r = 1_515_870_810 - upper(2_021_161_080, d);
+    for _ in 0..STEPS {
+        let missing = (1 << 28) - upper(d, r);
+        r += upper(r, missing << 4);
+    }
+    (lead, r)
+}
+
+impl Fixed {
+    /// Quotient by a number of at least 1/64.
+    #[inline]
+    fn quotient(self, by: Self) -> Self {
+        let (lead, r) = reciprocal::<3>(by);
+        // 1/x is 2^(lead − 5) / D.
+        let product = i64::from(self.0) * i64::from(r);
+        Self(narrow((product + (1_i64 << (33 - lead))) >> (34 - lead)))
+    }
+
+    /// Quotient of numbers above zero by one that is no smaller, to 2e-5 of itself.
+    #[inline(always)]
+    fn share(self, of: Self) -> Self {
+        let (lead, r) = reciprocal::<2>(of);
+        Self(upper(self.0 << lead, r) >> 2)
+    }
+}
+
+impl Scalar for Fixed {
+    type Gain = Gain;
+
+    const ZERO: Fixed = Fixed(0);
+    const ONE: Fixed = Fixed(UNIT);
+    const HALF: Fixed = Fixed(UNIT / 2);
+    const SIXTH: Fixed = Fixed((UNIT + 3) / 6);
+
+    /// Beyond 32768 a constant stops; below 2⁻³² it is zero.
+    fn gain(value: f64) -> Gain {
+        if libm::fabs(value) >= 0.5 {
+            return Gain { mantissa: libm::round(value * 65_536.0) as i32, half: 0, shift: LARGE };
+        }
+        let (fraction, exponent) = libm::frexp(value);
+        let shift = -1 - exponent;
+        if value == 0.0 || !value.is_finite() || shift > 31 {
+            return Gain::default();
+        }
+        // The fraction lies between ½ and 1; as one, it would be the next exponent's ½.
+        let mantissa = libm::round(fraction * 2_147_483_648.0 * 2.0) as i64 / 2;
+        let half = if shift > 0 { 1 << (shift - 1) } else { 0 };
+        Gain { mantissa: narrow(mantissa), half, shift: shift as u8 }
+    }
+    fn from_f64(value: f64) -> Fixed {
+        Fixed(libm::round(value * f64::from(UNIT)) as i32)
+    }
+    fn to_f64(self) -> f64 {
+        f64::from(self.0) / f64::from(UNIT)
+    }
+    #[inline(always)]
+    fn times(self, gain: Gain) -> Fixed {
+        let product = i64::from(self.0) * i64::from(gain.mantissa);
+        if gain.shift == LARGE {
+            return Fixed(from_place::<16>(product));
+        }
+        // The product's magnitude is below 2⁶²: room for the half.
+        let high = ((product + (i64::from(gain.half) << 32)) >> 32) as i32;
+        Fixed(high >> (gain.shift & 31))
+    }
+    #[inline]
+    fn ratio(self, at_least_self: Fixed) -> Fixed {
+        // Both moved up as far as they go, so that a small divisor is as good as a large one.
+        let room = at_least_self.0.max(1).leading_zeros().saturating_sub(2);
+        Fixed(self.0 << room).quotient(Fixed(at_least_self.0 << room))
+    }
+    #[inline(always)]
+    fn over(self, at_least_one: Fixed) -> Fixed {
+        self.quotient(at_least_one)
+    }
+    #[inline(always)]
+    fn abs(self) -> Fixed {
+        Fixed(self.0.saturating_abs())
+    }
+    /// `2^−p`, the whole part of `p` as a shift and a polynomial of fourth order for the rest.
+    #[inline(always)]
+    fn exp_minus(self) -> Fixed {
+        let capped = if self.0 < 20 * UNIT { self.0 } else { 20 * UNIT };
+        // Times log2(e), which is in units of 2⁻³⁰.
+        let power = upper(capped, 1_549_082_005) << 2;
+        let whole = (power >> PLACES) as u32;
+        // In units of 2⁻³¹; coefficients in units of 2⁻³⁰.
+        let part = (power & (UNIT - 1)) << (31 - PLACES);
+        let mut sum = 7_339_192;
+        for coefficient in [-57_137_150, 257_086_653, -744_155_626, 1_073_739_719] {
+            sum = (upper(sum, part) << 1) + coefficient;
+        }
+        if whole > PLACES {
+            return Fixed(0);
+        }
+        Fixed((sum + (8 << whole)) >> (whole + 4))
+    }
+    #[inline(always)]
+    fn stribeck(self, beta: Fixed) -> (Fixed, Fixed) {
+        let excess = beta * self.half().exp_minus();
+        let level = Fixed::ONE + excess;
+        (excess.share(level), level)
+    }
+    /// As a share of the way to the slip value, since the quotient's parts would leave the range. From
+    /// a reach of 4.5 on, where 1 % of the way is left, the bristle is there.
+    #[inline(always)]
+    fn relaxed(self, reach: Fixed, rho: Fixed, level: Fixed) -> Fixed {
+        const LIMIT: Fixed = Fixed(9 * (UNIT / 2));
+        let x = reach.abs() * rho;
+        let x = if x < LIMIT { x } else { LIMIT };
+        let series = x * (Fixed::ONE + x * (Fixed::HALF + x * Fixed::SIXTH));
+        let slip = level.along(reach);
+        let share = series.share(Fixed::ONE + series);
+        self + (slip - self) * if x < LIMIT { share } else { Fixed::ONE }
+    }
+    #[inline(always)]
+    fn half(self) -> Fixed {
+        Fixed(self.0 >> 1)
+    }
+    #[inline(always)]
+    fn along(self, direction: Fixed) -> Fixed {
+        if direction.0 < 0 { -self } else { self }
+    }
+    /// A large constant's product stops up to 2¹⁶ steps before the last one.
+    #[inline(always)]
+    fn is_at_limit(self) -> bool {
+        const LIMIT: i32 = i32::MAX - (1 << 16);
+        self.0 > LIMIT || self.0 < -LIMIT
+    }
+    fn from_small(value: u8) -> Fixed {
+        Fixed(i32::from(value).saturating_mul(UNIT))
+    }
+    #[inline(always)]
+    fn from_turn_counts(counts: i32) -> Fixed {
+        Fixed(counts >> (32 - PLACES))
+    }
+    #[inline(always)]
+    fn sin_turns(self) -> Fixed {
+        let p = self * (Fixed::HALF - self.abs());
+        let a = p.abs();
+        // A quarter of the coefficients of the f32 sine, in units of 2⁻²⁶.
+        let mut sum = Fixed(941_953_445);
+        for coefficient in [1_194_425_888, 843_383_602, 210_828_268] {
+            sum = sum * a + Fixed(coefficient);
+        }
+        let quarter = p * sum;
+        quarter + quarter + quarter + quarter
+    }
+    #[inline(always)]
+    fn split_turns(self) -> (i32, Fixed) {
+        let whole = (self.0 + (UNIT / 2)) >> PLACES;
+        (whole, Fixed(self.0 - (whole << PLACES)))
+    }
+    #[inline]
+    fn summed(part: Fixed, lost: Fixed, turns: Fixed) -> (i32, Fixed, Fixed) {
+        let (whole, part) = (part + turns).split_turns();
+        (whole, part, lost)
+    }
+    /// The loss is the next 32 binary places, with the sign turned as that of a float's.
+    #[inline]
+    fn turned(part: Fixed, lost: Fixed, speed: Fixed, gain: Gain) -> (i32, Fixed, Fixed) {
+        let product = i64::from(speed.0) * i64::from(gain.mantissa);
+        // In units of 2⁻⁵⁸.
+        let moved = match gain.shift {
+            LARGE => product << 16,
+            shift => product >> (shift & 31),
+        };
+        let sum = (i64::from(part.0) << 32) - i64::from(lost.0) + moved;
+        // To the nearest part: the loss then is a signed word.
+        let near = ((sum + (1 << 31)) >> 32) as i32;
+        let lost = (i64::from(near) << 32) - sum;
+        let (whole, part) = Fixed(near).split_turns();
+        (whole, part, Fixed(lost as i32))
+    }
+    fn lost_to_f64(self) -> f64 {
+        self.to_f64() / 4_294_967_296.0
+    }
+    #[inline]
+    fn wrapped_turns(whole: i32, whole_ratio: Gain, part: Fixed, ratio: Gain) -> Fixed {
+        let turns = (scaled(i64::from(whole) << PLACES, whole_ratio) as i64)
+            .wrapping_add(i64::from(part.times(ratio).0));
+        let nearest = (turns + i64::from(UNIT / 2)) >> PLACES;
+        Fixed((turns - (nearest << PLACES)) as i32)
+    }
+    fn wide_turns(whole: i32, part: Fixed, ratio: Gain) -> Fixed {
+        let turns = (i64::from(whole) << PLACES) + i64::from(part.0);
+        let moved = scaled(turns, ratio);
+        Fixed(moved.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32)
+    }
+}
+
+/// A long number times a constant; not for the plain step.
+fn scaled(value: i64, gain: Gain) -> i128 {
+    let product = i128::from(value) * i128::from(gain.mantissa);
+    if gain.shift == LARGE { product >> 16 } else { product >> (32 + u32::from(gain.shift)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweep(low: f64, high: f64) -> impl Iterator<Item = f64> {
+        (0..=4000).map(move |k| low + (high - low) * f64::from(k) / 4000.0)
+    }
+
+    const LAST: f64 = 1.0 / 67_108_864.0;
+
+    #[test]
+    fn sums_and_products_stop_at_the_limits_instead_of_wrapping() {
+        let big = Fixed::from_f64(25.0);
+        assert_eq!(big + big, Fixed::MAX);
+        assert_eq!(-big - big, Fixed::MIN);
+        for (product, limit) in [
+            (big * big, Fixed::MAX),
+            (big * -big, Fixed::MIN),
+            (big.times(Fixed::gain(1e4)), Fixed::MAX),
+            ((-big).times(Fixed::gain(1e12)), Fixed::MIN),
+        ] {
+            assert!(product.is_at_limit() && (product.to_f64() - limit.to_f64()).abs() < 1e-3);
+        }
+        assert!(Fixed::MAX.is_at_limit() && !big.is_at_limit());
+        assert_eq!(-Fixed::MIN, Fixed::MAX);
+    }
+
+    #[test]
+    fn a_gain_of_any_size_rounds_to_the_nearest() {
+        for gain in [1e-9, 3e-7, 1e-4, 0.01, 0.3, 0.5, 0.75, 1.0, 1.7, 20.0, 193.0, 4096.0] {
+            for x in sweep(-1.0, 1.0).chain(sweep(-1e-5, 1e-5)) {
+                let x = Fixed::from_f64(x);
+                let exact = x.to_f64() * gain;
+                if exact.abs() < 32.0 {
+                    let error = x.times(Fixed::gain(gain)).to_f64() - exact;
+                    // A large constant has steps of 2⁻¹⁶ and its product is rounded down.
+                    let (last, share) = if gain < 0.25 { (0.51, 1e-9) } else { (1.01, 2e-5) };
+                    assert!(error.abs() <= last * LAST + share * exact.abs(), "{gain} {x:?}");
+                }
+            }
+        }
+        assert_eq!(Fixed::ONE.times(Fixed::gain(0.0)), Fixed::ZERO);
+        assert_eq!(Fixed::ONE.times(Fixed::gain(1e-300)), Fixed::ZERO);
+        assert_eq!(Fixed::ONE.times(Gain::default()), Fixed::ZERO);
+    }
+
+    #[test]
+    fn a_quotient_is_right_to_two_of_the_last_place() {
+        for by in sweep(0.016, 31.0).chain(sweep(0.9, 2.1)) {
+            for x in [-30.0, -1.0, 1e-6, 0.3, 1.0, 20.0] {
+                let (x, by) = (Fixed::from_f64(x), Fixed::from_f64(by));
+                let exact = x.to_f64() / by.to_f64();
+                if exact.abs() < 31.0 {
+                    let error = x.over(by).to_f64() - exact;
+                    assert!(error.abs() < 2.0 * LAST + 1e-8 * exact.abs(), "{x:?} {by:?} {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_functions_keep_their_errors() {
+        for x in sweep(0.0, 30.0).chain(sweep(0.0, 1.0)) {
+            let x = Fixed::from_f64(x);
+            let exact = (-x.to_f64()).exp();
+            assert!((x.exp_minus().to_f64() - exact).abs() < 6e-6, "{x:?}");
+        }
+        for turns in sweep(-0.5, 0.5) {
+            let angle = turns * core::f64::consts::TAU;
+            assert!((Fixed::from_f64(turns).sin_turns().to_f64() - angle.sin()).abs() < 2e-6);
+            assert!((Fixed::from_f64(turns).cos_turns().to_f64() - angle.cos()).abs() < 2e-6);
+        }
+        for turns in sweep(-1.0, 1.0) {
+            let (whole, part) = Fixed::from_f64(turns).split_turns();
+            assert!((f64::from(whole) + part.to_f64() - turns).abs() < LAST);
+            assert!(part.to_f64().abs() <= 0.5);
+        }
+        let ratio = Fixed::gain(1.0 / 1024.0);
+        let wrapped = Fixed::wrapped_turns(1000, ratio, Fixed::ZERO, ratio);
+        assert!((wrapped.to_f64() + 24.0 / 1024.0).abs() < 2.0 * LAST);
+    }
+
+    #[test]
+    fn a_creep_far_below_the_last_place_of_an_angle_adds_up() {
+        let mut angle = crate::angle::Angle::<Fixed>::default();
+        let (speed, gain) = (Fixed::from_bits(-3), 0.005_512_3);
+        for _ in 0..1_000_000 {
+            angle.turn(speed, Fixed::gain(gain));
+        }
+        let exact = 1e6 * speed.to_f64() * gain;
+        assert!((angle.to_turns() / exact - 1.0).abs() < 1e-6, "{}", angle.to_turns());
+    }
+
+    #[test]
+    fn a_bristle_relaxes_as_in_double_precision() {
+        for reach in sweep(-3.0, 3.0) {
+            for zeta in [-1.2, -0.3, 0.0, 0.8] {
+                let (rho, level) = (0.8, 1.25);
+                let exact = zeta.relaxed(reach, rho, level);
+                let to = Fixed::from_f64;
+                let found = to(zeta).relaxed(to(reach), to(rho), to(level)).to_f64();
+                assert!((found - exact).abs() < 3e-5, "{reach} {zeta}: {found} {exact}");
+            }
+        }
+        let far = Fixed::from_f64(-0.5).relaxed(Fixed::from_f64(30.0), Fixed::ONE, Fixed::ONE);
+        assert!((far.to_f64() - 1.0).abs() < 0.02);
+    }
+}

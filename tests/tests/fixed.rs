@@ -1,0 +1,105 @@
+//! The fixed-point step on a chip without a floating-point unit: the host's to the bit, and without a
+//! float. What it costs stands in `budgets.toml`.
+
+use std::fs;
+use std::path::Path;
+
+use firmware::{block, drill};
+use joint_core::fixed::Fixed;
+use joint_core::joint::{Drive, Joint, Settings};
+use joint_core::params::{Friction, Load, Motor, Stage};
+use joint_tests::qemu::{self, Board};
+
+fn friction(coulomb_nm: f64) -> Friction {
+    Friction {
+        sigma0_nm_per_rad: 5_000.0 * coulomb_nm,
+        sigma1_nm_s_per_rad: 0.04 * coulomb_nm,
+        sigma2_nm_s_per_rad: 1e-4 * coulomb_nm,
+        coulomb_nm,
+        stribeck_nm: 0.4 * coulomb_nm,
+        stribeck_velocity_rad_per_s: 20.0,
+    }
+}
+
+fn joint() -> Joint<Fixed, 2> {
+    let motor = Motor {
+        phase_resistance_ohm: 4.55,
+        phase_inductance_h: 13e-6,
+        torque_constant_nm_per_a: 1.38e-3,
+        rotor_inertia_kg_m2: 9.5e-10,
+        friction: friction(9e-6),
+        ..Motor::default()
+    };
+    let stages = [(2e-9, 0.5, 2e-5), (8e-7, 15.0, 1e-3)].map(|(inertia, stiffness, level)| Stage {
+        reduction: 32.0,
+        inertia_kg_m2: inertia,
+        stiffness_nm_per_rad: stiffness,
+        friction: friction(level),
+        ..Stage::default()
+    });
+    let mut settings = Settings::new(Drive::Voltage, 50e-6);
+    settings.micro_steps = Some(1);
+    Joint::<Fixed, 2>::new(&motor, &stages, &Load::default(), &settings).unwrap()
+}
+
+#[test]
+fn a_chip_without_floats_steps_as_the_host_does_whatever_the_data() {
+    if !qemu::available("a_chip_without_floats_steps_as_the_host_does_whatever_the_data") {
+        return;
+    }
+    let joint = joint();
+    let mut bytes = [0; 4096];
+    let length = block::encode(&joint, 2, &mut bytes).unwrap();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fixed");
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("joint.bin"), &bytes[..length]).unwrap();
+    let run = qemu::run("count_fixed", Board::NetduinoPlus2Soft, &folder, &["joint.bin"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    print!("{}", run.stdout);
+    assert_eq!(run.value("saturated"), "0");
+
+    let mut state = joint.rest();
+    for k in 0..drill::STEPS {
+        let (volts, load) = drill::input(k);
+        joint.step(&mut state, joint.input(volts, load));
+    }
+    assert_eq!(run.value("current"), state.current.to_bits().to_string());
+    assert_eq!(run.value("turns"), state.angle.whole.to_string());
+    assert_eq!(run.value("speed"), state.rotor.speed.to_bits().to_string());
+    assert_eq!(run.value("deflection"), state.stages[0].deflection.to_bits().to_string());
+}
+
+#[test]
+fn the_program_without_floats_holds_no_floating_point_routine() {
+    if !qemu::available("the_program_without_floats_holds_no_floating_point_routine") {
+        return;
+    }
+    let elf = fs::read(qemu::firmware("count_fixed", Board::NetduinoPlus2Soft)).unwrap();
+    let symbols = symbols(&elf);
+    assert!(symbols.iter().any(|name| name.contains("micro_step")), "no symbol table");
+    let kinds = ["add", "sub", "mul", "div", "cmplt", "cmpgt", "2iz", "2uiz", "2d", "2f"];
+    let routines =
+        kinds.iter().flat_map(|kind| ["f", "d"].map(|float| format!("__aeabi_{float}{kind}")));
+    let conversions = ["i2f", "ui2f", "l2f", "i2d", "ui2d", "l2d"].map(|k| format!("__aeabi_{k}"));
+    for name in routines.chain(conversions) {
+        assert!(!symbols.contains(&name), "{name}");
+    }
+}
+
+/// Names in the symbol table of a 32-bit ELF file.
+fn symbols(elf: &[u8]) -> Vec<String> {
+    let half = |at: usize| usize::from(u16::from_le_bytes(elf[at..at + 2].try_into().unwrap()));
+    let word = |at: usize| u32::from_le_bytes(elf[at..at + 4].try_into().unwrap()) as usize;
+    let (start, size, number) = (word(0x20), half(0x2e), half(0x30));
+    let section = |k: usize| start + k * size;
+    let table = (0..number).map(section).find(|at| word(at + 4) == 2).expect("a symbol table");
+    let names = word(section(word(table + 24)) + 16);
+    let entries = (0..word(table + 20) / 16).map(|k| word(table + 16) + 16 * k);
+    entries
+        .map(|entry| {
+            let name = &elf[names + word(entry)..];
+            let end = name.iter().position(|byte| *byte == 0).unwrap();
+            String::from_utf8_lossy(&name[..end]).into_owned()
+        })
+        .collect()
+}
