@@ -29,7 +29,7 @@ const BUDGETS: [Budget; 4] = [
 ];
 /// What the start and a control period of two stages may take of the stack.
 const START_STACK_BUDGET: u64 = 12_500;
-const TICK_STACK_BUDGET: u64 = 1024;
+const TICK_STACK_BUDGET: u64 = 1100;
 /// An interrupt on top of the start: its frame with the FPU's registers.
 const INTERRUPT_FRAME: u64 = 104;
 

@@ -85,12 +85,15 @@ fn motor(motor: &Motor) -> String {
 fn stage(stage: &Stage) -> String {
     format!(
         "Stage {{ reduction: {:?}, inertia_kg_m2: {:?}, stiffness_nm_per_rad: {:?}, \
-         cubic_stiffness_nm_per_rad3: {:?}, damping_nm_s_per_rad: {:?}, friction: {} }}",
+         cubic_stiffness_nm_per_rad3: {:?}, damping_nm_s_per_rad: {:?}, \
+         worm_friction_coefficient: {:?}, worm_lead_angle_rad: {:?}, friction: {} }}",
         stage.reduction,
         stage.inertia_kg_m2,
         stage.stiffness_nm_per_rad,
         stage.cubic_stiffness_nm_per_rad3,
         stage.damping_nm_s_per_rad,
+        stage.worm_friction_coefficient,
+        stage.worm_lead_angle_rad,
         friction(&stage.friction),
     )
 }

@@ -50,9 +50,10 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
     let nominal = perturbed(&truth, random.random());
     let all: Vec<Kind> = kinds().collect();
     let place = number % CYCLE;
+    let pairs = NOTHING + WITHDRAWN..NOTHING + WITHDRAWN + PAIRS;
     let wanted = match place {
-        p if p < NOTHING => 0,
-        p if p < NOTHING + WITHDRAWN + PAIRS && p >= NOTHING + WITHDRAWN => 2,
+        place if place < NOTHING => 0,
+        place if pairs.contains(&place) => 2,
         _ => 1,
     };
     let mut turn = (number / CYCLE * (CYCLE - NOTHING) + place) as usize;
