@@ -238,6 +238,17 @@ impl Scalar for Fixed {
         let way = i64::from((slip - self).0) * i64::from(share.0) + i64::from(UNIT / 2);
         self + Fixed(from_place::<PLACES>(way))
     }
+    /// The sum of fixed point loses nothing.
+    #[inline(always)]
+    fn relaxed_exactly(
+        self,
+        lost: Fixed,
+        reach: Fixed,
+        rho: Fixed,
+        level: Fixed,
+    ) -> (Fixed, Fixed) {
+        (self.relaxed(reach, rho, level), lost)
+    }
     #[inline(always)]
     fn half(self) -> Fixed {
         Fixed(self.0 >> 1)

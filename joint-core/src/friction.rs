@@ -49,6 +49,8 @@ pub struct Bristle<S> {
     /// ∂ż/∂v = 1 − sgn(v) ζ (ρ + v ρ') at the end of the last flow: how much faster the bristle
     /// bends for a faster motion.
     pub(crate) bending: S,
+    /// What the rotor's ζ has lost by rounding.
+    pub(crate) lost: S,
 }
 
 /// The Stribeck curve at one speed.
@@ -123,7 +125,8 @@ impl<S: Scalar> Friction<S> {
     #[inline(always)]
     fn keep(&self, mass: &mut Mass<S>, zeta: S, curve: &Curve<S>, inverse_level: S) {
         let along = zeta.along(mass.speed) * inverse_level;
-        mass.bristle = Bristle { zeta, bending: S::ONE - along * (curve.rho + curve.steepness) };
+        mass.bristle.zeta = zeta;
+        mass.bristle.bending = S::ONE - along * (curve.rho + curve.steepness);
         let standing = along * curve.steepness * mass.speed;
         mass.force = -(zeta.times(self.level) + standing * self.sigma1);
     }
@@ -135,6 +138,18 @@ impl<S: Scalar> Friction<S> {
         let curve = self.curve(mass.speed);
         let y = mass.speed.times(self.kappa);
         let zeta = mass.bristle.zeta.relaxed(y, curve.rho, curve.level);
+        self.keep(mass, zeta, &curve, S::ONE);
+    }
+
+    /// The same without forgetting what is too small for the sum: for the mass whose angle is summed
+    /// as exactly. The others are held to it by their springs.
+    #[inline(always)]
+    pub(crate) fn flow_exactly(&self, mass: &mut Mass<S>) {
+        let curve = self.curve(mass.speed);
+        let y = mass.speed.times(self.kappa);
+        let Bristle { zeta, lost, .. } = mass.bristle;
+        let (zeta, lost) = zeta.relaxed_exactly(lost, y, curve.rho, curve.level);
+        mass.bristle.lost = lost;
         self.keep(mass, zeta, &curve, S::ONE);
     }
 
@@ -162,7 +177,9 @@ impl<S: Scalar> Friction<S> {
         let target = (first + (last - first) * way) * curve.level;
         let target = target.along(mass.speed);
         let series = decay * (S::ONE + decay * (S::HALF + decay * S::SIXTH));
-        let zeta = (mass.bristle.zeta + series * target).over(S::ONE + series);
+        let Bristle { zeta, lost, .. } = mass.bristle;
+        let (zeta, lost) = zeta.plus((series * (target - zeta)).over(S::ONE + series), lost);
+        mass.bristle.lost = lost;
         self.keep(mass, zeta, &curve, end);
     }
 
@@ -182,7 +199,7 @@ impl<S: Scalar> Friction<S> {
 
     /// Friction torque σ0 z + σ1 ż + σ2 v as the mass was last found; not for the step.
     pub(crate) fn felt(&self, mass: &Mass<S>) -> S {
-        let Bristle { zeta, bending } = mass.bristle;
+        let Bristle { zeta, bending, .. } = mass.bristle;
         let rate = mass.speed - mass.speed.abs() * self.curve(mass.speed).rho * zeta;
         zeta.times(self.level)
             + self.sigma1 * rate

@@ -71,9 +71,7 @@ pub trait Scalar:
     /// and the loss. A float is summed with compensation; a fixed-point part is exact.
     #[inline]
     fn summed(part: Self, lost: Self, turns: Self) -> (i32, Self, Self) {
-        let increment = turns - lost;
-        let sum = part + increment;
-        let lost = (sum - part) - increment;
+        let (sum, lost) = part.plus(turns, lost);
         let (whole, part) = sum.split_turns();
         (whole, part, lost)
     }
@@ -112,6 +110,23 @@ pub trait Scalar:
         let x = reach.abs() * rho;
         let a = Self::ONE + x * (Self::HALF + x * Self::SIXTH);
         (self + reach * a).over(Self::ONE + x * a)
+    }
+
+    /// The same with what the sum has lost by rounding: in stick a motion too small for the sum would
+    /// be forgotten, and the joint would creep.
+    #[inline(always)]
+    fn relaxed_exactly(self, lost: Self, reach: Self, rho: Self, _level: Self) -> (Self, Self) {
+        let x = reach.abs() * rho;
+        let a = Self::ONE + x * (Self::HALF + x * Self::SIXTH);
+        self.plus((a * (reach - self * x)).over(Self::ONE + x * a), lost)
+    }
+
+    /// The sum, and what it and those before it have lost by rounding.
+    #[inline(always)]
+    fn plus(self, increment: Self, lost: Self) -> (Self, Self) {
+        let increment = increment - lost;
+        let sum = self + increment;
+        (sum, (sum - self) - increment)
     }
 
     /// Half of it.

@@ -98,7 +98,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             }
         } else {
             self.half_drift_deflections(state);
-            self.rotor.flow(&mut state.rotor);
+            self.rotor.flow_exactly(&mut state.rotor);
             for (stage, own) in state.stages.iter_mut().zip(&self.stages) {
                 own.friction.flow(&mut stage.mass);
             }
