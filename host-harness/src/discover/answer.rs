@@ -11,6 +11,7 @@ use indicatif::ProgressBar;
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
+use nalgebra::DMatrix;
 
 use super::findings::{
     Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Rival, Verdict, Whereabouts,
@@ -81,7 +82,8 @@ pub fn discover_without(
     if coarse.len() < 200 {
         return Err(DiscoverError::Short(coarse.len()));
     }
-    let micro_steps = micro_steps(nominal, coarse.grid.interval(0)).max(2);
+    // The filter corrects every sample, so that one interval need be right, not a whole run.
+    let micro_steps = (micro_steps(nominal, coarse.grid.interval(0)) / 2).max(2);
     let mut record = coarse.refined(micro_steps);
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
@@ -142,7 +144,8 @@ pub fn discover_without(
         (false, true) => Answer::Effect,
         (_, false) => Answer::Unknown,
     };
-    let effects = named(&found, nominal.effects.len(), complaints.is_empty());
+    let covariance = problem.covariance(after);
+    let effects = named(&found, nominal.effects.len(), complaints.is_empty(), &covariance);
     let close = found.rounds.first().and_then(|round| {
         let rival = round.rivals.first()?;
         (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
@@ -175,7 +178,7 @@ pub fn discover_without(
         push: disagreement.push,
         shape: disagreement.shape,
         orders: orders.iter().map(|order| [*order, f64::NAN, f64::NAN]).collect(),
-        parameters: parameter_rows(nominal, before, after),
+        parameters: parameter_rows(nominal, before, after, &covariance),
         scores: found.scores.clone(),
         noises: noise_rows(&found, &record),
     })
@@ -250,14 +253,19 @@ fn gap(
     }
 }
 
-fn named(found: &Search, standing: usize, clean: bool) -> Vec<Named> {
+fn named(
+    found: &Search,
+    standing: usize,
+    clean: bool,
+    covariance: &DMatrix<f64>,
+) -> Vec<Named> {
     let fit = &found.after.fit;
     let effects = fit.model.effects.iter().enumerate().skip(standing);
     effects
         .zip(&found.rounds)
         .map(|((number, effect), round)| {
             let (confidence, rivals) = confidence(round, clean);
-            let (parameters, standard_errors) = sizes(fit, number, effect);
+            let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
             Named {
                 kind: effect.kind.spec().kind.to_owned(),
                 location: effect.location.to_string(),
@@ -291,6 +299,7 @@ fn confidence(round: &Round, clean: bool) -> (f64, Vec<Rival>) {
 /// An effect's values by key, and one sigma of those that were fitted.
 fn sizes(
     fit: &Fit,
+    covariance: &DMatrix<f64>,
     number: usize,
     effect: &EffectParameters,
 ) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
@@ -302,14 +311,14 @@ fn sizes(
     for (k, coordinate) in fit.coordinates.iter().enumerate() {
         match *coordinate {
             Coordinate::Effect { effect: own, value, scale, .. } if own == number => {
-                errors.insert(key(value), fit.covariance[(k, k)].sqrt() * scale);
+                errors.insert(key(value), covariance[(k, k)].sqrt() * scale);
             }
             Coordinate::Phasor { effect: own, amplitude, sine: false, scale, .. }
                 if own == number =>
             {
                 let (size, phase) = (effect.values[amplitude], effect.values[amplitude + 1]);
-                let (cc, ss) = (fit.covariance[(k, k)], fit.covariance[(k + 1, k + 1)]);
-                let cs = fit.covariance[(k, k + 1)];
+                let (cc, ss) = (covariance[(k, k)], covariance[(k + 1, k + 1)]);
+                let cs = covariance[(k, k + 1)];
                 let (cos, sin) = (phase.cos(), phase.sin());
                 let along = cc * cos * cos + ss * sin * sin + 2.0 * cs * cos * sin;
                 let across = cc * sin * sin + ss * cos * cos - 2.0 * cs * cos * sin;
@@ -325,7 +334,12 @@ fn sizes(
     (parameters, errors)
 }
 
-fn parameter_rows(nominal: &Model, before: &Fit, after: &Fit) -> Vec<ParameterRow> {
+fn parameter_rows(
+    nominal: &Model,
+    before: &Fit,
+    after: &Fit,
+    covariance: &DMatrix<f64>,
+) -> Vec<ParameterRow> {
     after
         .coordinates
         .iter()
@@ -336,7 +350,7 @@ fn parameter_rows(nominal: &Model, before: &Fit, after: &Fit) -> Vec<ParameterRo
                 nominal: quantity.get(nominal),
                 refitted: quantity.get(&before.model),
                 improved: quantity.get(&after.model),
-                relative_sigma: after.covariance[(k, k)].sqrt(),
+                relative_sigma: covariance[(k, k)].sqrt(),
             }),
             _ => None,
         })

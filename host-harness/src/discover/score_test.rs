@@ -5,6 +5,8 @@
 //! hypothesis explains of the rest is its score. A hypothesis may start at a finite size (a gap
 //! has no derivative at zero): then its own innovations take the place of the base model's.
 
+use std::borrow::Cow;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
@@ -64,7 +66,7 @@ impl<'a> ScoreTest<'a> {
             .collect();
         let plant = plant(&base.model, &problem.record.grid, problem.record.drive).ok()?;
         let observer = Observer::new(&base.model, &*plant, problem.record);
-        let mut along = Linearisation::default();
+        let mut along = Cow::Owned(Linearisation::default());
         let (_, run) = observer.design_along(&mut along, &base.noise, &problem.walks());
         let pulls = std::iter::once(&base.innovations)
             .chain(&nulls)

@@ -175,30 +175,34 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         search.scores.push(ScoreRow { round, name, score: *score, refitted: None });
     }
 
-    let mut short: Vec<(&Hypothesis, Stage, f64)> = Vec::new();
-    for (hypothesis, score) in best_of_name.iter().filter(|(_, gain)| *gain > least).take(SHORT) {
-        let mut origin = base.origin.clone();
-        origin.effects.push(hypothesis.start);
-        let mut coordinates = base.fit.coordinates.clone();
-        coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
-        let start = hypothesis.added(&base.fit.model);
-        let fit = problem.fit(&origin, &start, &coordinates, &base.fit.noise, 3)?;
-        let gain = (cost(&base.fit) - cost(&fit)).max(*score);
-        short.push((hypothesis, Stage { fit, origin }, gain));
-    }
+    let promising: Vec<&(&Hypothesis, f64)> =
+        best_of_name.iter().filter(|(_, gain)| *gain > least).take(SHORT).collect();
+    let mut short = promising
+        .par_iter()
+        .map(|(hypothesis, score)| {
+            let mut origin = base.origin.clone();
+            origin.effects.push(hypothesis.start);
+            let mut coordinates = base.fit.coordinates.clone();
+            coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+            let start = hypothesis.added(&base.fit.model);
+            let fit = problem.fit(&origin, &start, &coordinates, &base.fit.noise, 3)?;
+            let gain = (cost(&base.fit) - cost(&fit)).max(*score);
+            Ok((*hypothesis, Stage { fit, origin }, gain))
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
     short.sort_by(|a, b| b.2.total_cmp(&a.2));
     let strongest = short.first().map_or(0.0, |(_, _, gain)| *gain);
-    let mut full: Vec<(&Hypothesis, Stage)> = Vec::new();
-    for (hypothesis, stage, _) in
-        short.into_iter().filter(|(_, _, gain)| *gain > 0.1 * strongest).take(FULL)
-    {
-        let Stage { fit, origin } = stage;
-        let coordinates = fit.coordinates.clone();
-        let from = fit.noise;
-        let fit =
-            refit::polish(&problem, &origin, &fit.model, &coordinates, &search.expected, &from)?;
-        full.push((hypothesis, Stage { fit, origin }));
-    }
+    let contending: Vec<_> =
+        short.into_iter().filter(|(_, _, gain)| *gain > 0.1 * strongest).take(FULL).collect();
+    let expected = &search.expected;
+    let mut full = contending
+        .into_par_iter()
+        .map(|(hypothesis, Stage { fit, origin }, _)| {
+            let Fit { model, coordinates, noise, .. } = fit;
+            let fit = refit::polish(&problem, &origin, &model, &coordinates, expected, &noise)?;
+            Ok((hypothesis, Stage { fit, origin }))
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.
     let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;

@@ -6,6 +6,8 @@
 //! least-squares problem with an exact sensitivity by differences. Measurements are taken one
 //! channel after the other, which leaves the innovations uncorrelated between channels as well.
 
+use std::borrow::Cow;
+
 use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
@@ -142,13 +144,13 @@ impl<'a> Observer<'a> {
 
     /// Designs the gains along the record and runs it.
     pub fn design(&self, noise: &Noise, walks: &[Walk]) -> (Gains, Run) {
-        self.design_along(&mut Linearisation::default(), noise, walks)
+        self.design_along(&mut Cow::Owned(Linearisation::default()), noise, walks)
     }
 
     /// The same along a linearisation, which is made if it is empty.
     pub fn design_along(
         &self,
-        along: &mut Linearisation,
+        along: &mut Cow<'_, Linearisation>,
         noise: &Noise,
         walks: &[Walk],
     ) -> (Gains, Run) {
@@ -360,13 +362,14 @@ impl<'a> Observer<'a> {
         k: usize,
         x: &[f64],
         walks: &[Walk],
-        along: &mut Linearisation,
+        along: &mut Cow<'_, Linearisation>,
         scratch: &mut Scratch,
     ) {
         let n = self.layout.len();
         if along.drive.len() >= (k + 1) * n {
             return;
         }
+        let along = along.to_mut();
         let base = scratch.moved(x);
         self.advance(k, base, walks);
         let next = base[..n].to_vec();
@@ -434,10 +437,12 @@ impl<'a> Observer<'a> {
         self.advance(k, x, walks);
         // P <- F P F' + Q
         let half = &mut scratch.half;
-        for i in 0..order {
-            for j in 0..order {
-                half[i * order + j] =
-                    (0..order).map(|m| f[i * order + m] * p[m * order + j]).sum::<f64>();
+        half.fill(0.0);
+        for (f, half) in f.chunks_exact(order).zip(half.chunks_exact_mut(order)) {
+            for (f, p) in f.iter().zip(p.chunks_exact(order)).filter(|(f, _)| **f != 0.0) {
+                for (half, p) in half.iter_mut().zip(p) {
+                    *half += f * p;
+                }
             }
         }
         for i in 0..order {
