@@ -205,7 +205,8 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         .collect::<Result<Vec<_>, BuildError>>()?;
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.
-    let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
+    let (from, expected) = (&base.fit.noise, &search.expected);
+    let noise = noise::refine(&problem, &base.fit.model, expected, from, 0.3)?;
     let (_, _, deviance) = problem.design(&base.fit.model, &noise)?;
     let level = (deviance + base.fit.prior).min(cost(&base.fit));
     let contenders: Vec<Contender> = full

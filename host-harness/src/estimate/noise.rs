@@ -46,7 +46,8 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
     }
 }
 
-/// Moves the noise to where the record's likelihood is highest at this model.
+/// Moves the noise to where the record's likelihood is highest at this model, by strides of this
+/// many in the logarithm at first.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -55,6 +56,7 @@ pub fn refine(
     model: &Model,
     expected: &Noise,
     start: &Noise,
+    mut stride: f64,
 ) -> Result<Noise, BuildError> {
     let mut knobs = vec![Knob { which: 1, expected: expected.torque.ln(), spread: 0.7 }];
     if problem.record.drive == Drive::Voltage {
@@ -78,7 +80,6 @@ pub fn refine(
     };
     let mut noise = *start;
     let mut best = cost(&noise)?;
-    let mut stride = 0.8;
     for _ in 0..8 {
         let mut farthest = 0.0_f64;
         for knob in &knobs {
