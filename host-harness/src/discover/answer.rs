@@ -13,6 +13,7 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use nalgebra::DMatrix;
 
+use super::experiment::{Experiment, experiment};
 use super::findings::{
     Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Rival, Verdict, Whereabouts,
 };
@@ -26,6 +27,7 @@ use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel, JoinError, Record};
 use crate::estimate::refit;
+use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{BuildError, micro_steps};
@@ -37,6 +39,8 @@ const BLOCKS: usize = 10;
 const HELD_OUT: [usize; 3] = [3, 6, 9];
 /// How many times finer the step is made when the gate complains.
 const FINER: u32 = 4;
+/// Samples that are looked at; longer logs are thinned to stretches.
+const MOST_SAMPLES: usize = 60_000;
 /// Units of log-likelihood that separate two names by a factor e: friction laws and sensors that
 /// differ slightly from ours move likelihoods by some tens.
 const SEPARATION: f64 = 25.0;
@@ -78,12 +82,14 @@ pub fn discover_without(
     bar: &ProgressBar,
 ) -> Result<Findings, DiscoverError> {
     let began = Instant::now();
-    let coarse = Record::join(logs, None)?;
-    if coarse.len() < 200 {
-        return Err(DiscoverError::Short(coarse.len()));
+    let whole = Record::join(logs, None)?;
+    let samples = whole.len();
+    if samples < 200 {
+        return Err(DiscoverError::Short(samples));
     }
+    let coarse = whole.thinned(MOST_SAMPLES);
     // The filter corrects every sample, so that one interval need be right, not a whole run.
-    let micro_steps = (micro_steps(nominal, coarse.grid.interval(0)) / 2).max(2);
+    let micro_steps = (micro_steps(nominal, coarse.grid.typical_interval()) / 2).max(2);
     let mut record = coarse.refined(micro_steps);
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
@@ -94,7 +100,7 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
-    if !remainder.is_noise() && !found.rounds.is_empty() {
+    if !remainder.is_noise() && !found.rounds.is_empty() && !interrupt::asked() {
         // The step itself may be what is not noise: gaps and load-following friction ask for more.
         let finer = coarse.refined(micro_steps * FINER);
         let problem = Problem::new(&finer, &fitted);
@@ -140,6 +146,7 @@ pub fn discover_without(
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
     let complaints = remainder.complaints();
     let answer = match (found.rounds.is_empty(), complaints.is_empty()) {
+        (true, true) if interrupt::asked() => Answer::Unknown,
         (true, true) => Answer::Adequate,
         (false, true) => Answer::Effect,
         (_, false) => Answer::Unknown,
@@ -152,8 +159,22 @@ pub fn discover_without(
     });
     let names: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
     let equation = disagreement.whereabouts.equation.clone();
-    let next_experiment = advice(answer, &names, close, blind(nominal, &record), &equation);
-    let reasons = reasons(&found, &record, &gap, &complaints);
+    let mut next_experiment = advice(answer, &names, close, blind(nominal, &record), &equation);
+    bar.set_message("what to measure next");
+    let experiment = decisive(&found, &record, micro_steps, answer)?;
+    if let Some(experiment) = &experiment {
+        next_experiment += &told(experiment);
+    }
+    let mut reasons = reasons(&found, &record, &gap, &complaints);
+    if samples > record.len() {
+        reasons.push(format!(
+            "of {samples} samples {} were looked at, in stretches over the whole log",
+            record.len()
+        ));
+    }
+    if interrupt::asked() {
+        reasons.insert(0, "interrupted: this is what was known by then".to_owned());
+    }
     let whereabouts = match answer {
         Answer::Adequate => Whereabouts { equation: "none".into(), ..Whereabouts::default() },
         _ => disagreement.whereabouts,
@@ -181,7 +202,35 @@ pub fn discover_without(
         parameters: parameter_rows(nominal, before, after, &covariance),
         scores: found.scores.clone(),
         noises: noise_rows(&found, &record),
+        experiment,
     })
+}
+
+/// The experiment that would tell the name from its best rival, or from nothing where it has none.
+fn decisive(
+    found: &Search,
+    record: &Record,
+    micro_steps: u32,
+    answer: Answer,
+) -> Result<Option<Experiment>, BuildError> {
+    if answer == Answer::Adequate || interrupt::asked() {
+        return Ok(None);
+    }
+    let Some(round) = found.rounds.last() else { return Ok(None) };
+    let rival = round.runner_up.as_ref().unwrap_or(&found.before);
+    experiment(record, micro_steps, [&found.after, rival])
+}
+
+/// An experiment in a sentence.
+fn told(experiment: &Experiment) -> String {
+    let Experiment { name, worth, .. } = experiment;
+    let mut text = format!(
+        "; the input in next_experiment.csv ({name}) would separate the best two models by {worth:.0} units of log-likelihood"
+    );
+    if let Some(seen) = experiment.with_output {
+        text += &format!(", with an encoder behind the last stage by {seen:.0}");
+    }
+    text
 }
 
 /// Orders of the rotor angle: those of the lines that were added, the strongest first, then what
@@ -253,12 +302,7 @@ fn gap(
     }
 }
 
-fn named(
-    found: &Search,
-    standing: usize,
-    clean: bool,
-    covariance: &DMatrix<f64>,
-) -> Vec<Named> {
+fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>) -> Vec<Named> {
     let fit = &found.after.fit;
     let effects = fit.model.effects.iter().enumerate().skip(standing);
     effects
@@ -409,9 +453,11 @@ fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) ->
         })
         .collect();
     if found.rounds.is_empty() {
-        all.push(
-            "no listed effect explains more than chance does on twins of the model".to_owned(),
-        );
+        let best = found.scores.iter().map(|row| row.score).fold(0.0, f64::max);
+        let chance = found.chance.first().copied().unwrap_or_default();
+        all.push(format!(
+            "no listed effect explains what is missing: the best score is {best:.0}, chance is ruled out from {chance:.0} on, and a full refit must keep it"
+        ));
     }
     if complaints.is_empty() {
         all.push(format!(

@@ -47,6 +47,17 @@ pub struct Gain {
     pub real: f64,
     /// On each twin, where nothing is missing.
     pub null: Vec<f64>,
+    /// Free values.
+    pub free: usize,
+}
+
+impl Gain {
+    /// How many times more than its free values should a hypothesis explains of the twins, one at
+    /// least: some follow what no linear step sees, and would hide all the others.
+    pub fn luck(&self) -> f64 {
+        let mean = self.null.iter().sum::<f64>() / self.null.len().max(1) as f64;
+        (mean / self.free.max(1) as f64).max(1.0)
+    }
 }
 
 impl<'a> ScoreTest<'a> {
@@ -158,6 +169,7 @@ impl<'a> ScoreTest<'a> {
         Some(Gain {
             real: if gain.is_finite() { gain } else { 0.0 },
             null: twins.iter().map(explained).collect(),
+            free: coordinates.len(),
         })
     }
 }

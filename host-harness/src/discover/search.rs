@@ -21,6 +21,7 @@ use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::noise;
 use crate::estimate::parameters::Quantity;
 use crate::estimate::refit::{self, cost};
+use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -67,6 +68,8 @@ pub struct Round {
     pub gain: f64,
     /// The others that were refitted.
     pub rivals: Vec<Contender>,
+    /// The best of them, refitted.
+    pub runner_up: Option<Stage>,
 }
 
 /// What the search found.
@@ -82,6 +85,8 @@ pub struct Search {
     pub scores: Vec<ScoreRow>,
     /// Orders of the rotor angle that explain something on the refitted nominal, strongest first.
     pub orders: Vec<f64>,
+    /// What a score had to exceed, by round.
+    pub chance: Vec<f64>,
     /// Kinds that are not on the list.
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
@@ -108,10 +113,14 @@ pub fn search(
         rounds: Vec::new(),
         scores: Vec::new(),
         orders: Vec::new(),
+        chance: Vec::new(),
         withdrawn: withdrawn.to_vec(),
         expected,
     };
     for round in 1..=MOST_EFFECTS {
+        if interrupt::asked() {
+            break;
+        }
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
         let excess = excess(&search);
@@ -123,6 +132,9 @@ pub fn search(
             continue;
         }
         break;
+    }
+    if interrupt::asked() {
+        return Ok(search);
     }
     bar.set_message("trying to do without");
     drop_needless(problem, &mut search)?;
@@ -161,8 +173,9 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     if round == 1 {
         search.orders = told(&lines, &gains, by_chance);
     }
+    search.chance.push(least);
     let mut ranked: Vec<(&Hypothesis, f64)> =
-        hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
+        hypotheses.iter().zip(gains.iter().map(|gain| gain.real / gain.luck())).collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut best_of_name: Vec<(&Hypothesis, f64)> = Vec::new();
     for (hypothesis, gain) in ranked {
@@ -195,7 +208,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     let contending: Vec<_> =
         short.into_iter().filter(|(_, _, gain)| *gain > 0.1 * strongest).take(FULL).collect();
     let expected = &search.expected;
-    let mut full = contending
+    let mut full: Vec<(&Hypothesis, Stage)> = contending
         .into_par_iter()
         .map(|(hypothesis, Stage { fit, origin }, _)| {
             let Fit { model, coordinates, noise, .. } = fit;
@@ -205,8 +218,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         .collect::<Result<Vec<_>, BuildError>>()?;
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.
-    let (from, expected) = (&base.fit.noise, &search.expected);
-    let noise = noise::refine(&problem, &base.fit.model, expected, from, 0.3)?;
+    let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
     let (_, _, deviance) = problem.design(&base.fit.model, &noise)?;
     let level = (deviance + base.fit.prior).min(cost(&base.fit));
     let contenders: Vec<Contender> = full
@@ -224,8 +236,10 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     if winner.gain.is_nan() || winner.gain < least {
         return Ok(false);
     }
-    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals: rivals.to_vec() });
-    search.after = full.swap_remove(0).1;
+    let mut stages = full.into_iter().map(|(_, stage)| stage);
+    search.after = stages.next().unwrap_or(base);
+    let (rivals, runner_up) = (rivals.to_vec(), stages.next());
+    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals, runner_up });
     Ok(true)
 }
 
@@ -244,13 +258,14 @@ fn told(lines: &[(f64, Gain)], gains: &[Gain], by_chance: f64) -> Vec<f64> {
     told.into_iter().map(|(order, _)| order).take(8).collect()
 }
 
-/// What nothing reaches by chance: six sigma above the mean of the twins' best.
+/// What nothing reaches by chance: six sigma above the mean of the twins' best, each measured by its
+/// own luck.
 pub fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
     let mut best = Vec::new();
     for gain in gains {
         best.resize(best.len().max(gain.null.len()), 0.0_f64);
         for (best, null) in best.iter_mut().zip(&gain.null) {
-            *best = best.max(*null);
+            *best = best.max(*null / gain.luck());
         }
     }
     if best.is_empty() {

@@ -13,6 +13,10 @@ use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
 
+/// Samples over which a speed is taken behind a gap, and how much less is known there than at rest.
+const CATCH: usize = 8;
+const UNKNOWN: f64 = 10.0;
+
 /// A slow, unknown push on one equation of the joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Equation {
@@ -172,7 +176,7 @@ impl<'a> Observer<'a> {
         for k in 0..samples {
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
-                p = self.start_covariance(walks);
+                p = self.start_covariance(k, walks);
             }
             for channel in Channel::ALL {
                 let c = channel as usize;
@@ -252,22 +256,47 @@ impl<'a> Observer<'a> {
         innovations
     }
 
-    /// The joint at rest where a log begins.
+    /// The joint where a log begins: at rest, or after a gap in the motion that its encoder shows.
     fn start(&self, k: usize, order: usize) -> Vec<f64> {
         let mut x = vec![0.0; order];
         let angle = self.late.measured[k][Channel::Motor as usize];
         if angle.is_finite() {
             x[Layout::ANGLE] = angle;
         }
+        let speed = self.speed_at(k);
+        if speed != 0.0 {
+            for mass in 0..=self.layout.stages {
+                x[self.layout.speed(mass)] = speed;
+                x[self.layout.bristle(mass)] = 0.9 * speed.signum();
+            }
+        }
         x
     }
 
-    fn start_covariance(&self, walks: &[Walk]) -> Vec<f64> {
+    /// Speed that the encoder shows behind a gap, rad/s; zero where a log begins.
+    fn speed_at(&self, k: usize) -> f64 {
+        if !self.record.cuts.contains(&k) {
+            return 0.0;
+        }
+        let last = (k + CATCH).min(self.record.len() - 1);
+        let [here, there] = [k, last].map(|k| self.late.measured[k][Channel::Motor as usize]);
+        let speed = (there - here) / (self.record.time_s[last] - self.record.time_s[k]);
+        if speed.is_finite() { speed } else { 0.0 }
+    }
+
+    fn start_covariance(&self, k: usize, walks: &[Walk]) -> Vec<f64> {
         let sigmas = self.start_sigma.iter().copied().chain(walks.iter().map(|walk| walk.initial));
         let order = self.layout.len() + walks.len();
         let mut p = vec![0.0; order * order];
         for (k, sigma) in sigmas.enumerate() {
             p[k * order + k] = sigma * sigma;
+        }
+        if self.record.cuts.contains(&k) {
+            // Nothing but the encoder is known of a joint in motion.
+            let n = self.layout.len();
+            for j in (0..n).filter(|j| *j != Layout::ANGLE) {
+                p[j * order + j] *= UNKNOWN * UNKNOWN;
+            }
         }
         p
     }

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::coordinates::Coordinate;
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::record::{CHANNELS, Channel, Record};
+use crate::interrupt;
 use crate::model::Model;
 use crate::plant::{BuildError, plant};
 
@@ -204,7 +205,7 @@ impl<'a> Problem<'a> {
             let residual = self.residual(&innovations);
             let own = match &mut derivative {
                 Some(own) => own,
-                None if taken == rounds => break,
+                None if taken == rounds || interrupt::asked() => break,
                 None => {
                     taken += 1;
                     let jacobian = self.sensitivity(&model, &gains, coordinates, Some(&residual));
@@ -213,8 +214,7 @@ impl<'a> Problem<'a> {
             };
             let at = offset(&model);
             let gradient = own.jacobian.tr_mul(&residual) + precision.component_mul(&at);
-            let curvature =
-                own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
+            let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
             let before = self.sum_of_squares(&innovations) + prior(&at);
             let attempts = if own.moved == 0.0 { 6 } else { 1 };
             let mut gained = None;
@@ -319,4 +319,3 @@ fn offset(coordinates: &[Coordinate], origin: &Model, model: &Model) -> DVector<
     let distance = coordinates.iter().map(|c| c.distance(origin, model));
     DVector::from_iterator(coordinates.len(), distance)
 }
-

@@ -10,6 +10,7 @@ use std::borrow::Cow;
 use super::filter::{Linearisation, Noise};
 use super::fit::Problem;
 use super::record::{CHANNELS, Channel, Record};
+use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
@@ -46,8 +47,7 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
     }
 }
 
-/// Moves the noise to where the record's likelihood is highest at this model, by strides of this
-/// many in the logarithm at first.
+/// Moves the noise to where the record's likelihood is highest at this model.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -56,7 +56,6 @@ pub fn refine(
     model: &Model,
     expected: &Noise,
     start: &Noise,
-    mut stride: f64,
 ) -> Result<Noise, BuildError> {
     let mut knobs = vec![Knob { which: 1, expected: expected.torque.ln(), spread: 0.7 }];
     if problem.record.drive == Drive::Voltage {
@@ -80,7 +79,11 @@ pub fn refine(
     };
     let mut noise = *start;
     let mut best = cost(&noise)?;
+    let mut stride = 0.8;
     for _ in 0..8 {
+        if interrupt::asked() {
+            break;
+        }
         let mut farthest = 0.0_f64;
         for knob in &knobs {
             let here = get(&noise, knob.which).ln();

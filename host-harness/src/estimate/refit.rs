@@ -18,8 +18,6 @@ use crate::plant::BuildError;
 pub const SPRING_TRIAL: f64 = 0.2;
 /// How much less the model is trusted while the springs are tried.
 const DISTRUST: f64 = 3.0;
-/// What a trial may lack of the best after one round, of minus twice the log-likelihood per sample.
-const PROMISING: f64 = 0.1;
 
 /// Most rounds of converging.
 const ATTEMPTS: usize = 4;
@@ -48,14 +46,13 @@ pub fn resettle(
 ) -> Result<Fit, BuildError> {
     let expected = noise::expected(origin, problem.record);
     // Whatever the model misses is noise at first, or the parameters would bend to explain it.
-    let apparent = noise::refine(problem, start, &expected, &expected, 0.8)?;
+    let apparent = noise::refine(problem, start, &expected, &expected)?;
     let wide = Noise {
         drive: apparent.drive.max(DISTRUST * expected.drive),
         torque: apparent.torque.max(DISTRUST * expected.torque),
         ..apparent
     };
     let mut best = problem.fit(origin, start, coordinates, &wide, 3)?;
-    let promising = PROMISING * problem.record.len() as f64;
     for stage in (0..origin.stages.len()).rev() {
         let from = best.model.clone();
         let spring = Quantity::Stiffness(stage);
@@ -66,14 +63,9 @@ pub fn resettle(
             .map(|trial| {
                 let mut start = from.clone();
                 spring.shift(&mut start, trial - here);
-                // Another valley is told from this one by the first rounds.
-                let first = problem.fit(origin, &start, coordinates, &wide, 1)?;
-                if cost(&first) - cost(&best) > promising {
-                    return Ok(first);
-                }
-                problem.fit(origin, &first.model, coordinates, &wide, 2)
+                problem.fit(origin, &start, coordinates, &wide, 3)
             })
-            .collect::<Result<Vec<_>, BuildError>>()?;
+            .collect::<Result<Vec<_>, _>>()?;
         for fit in fits {
             if cost(&fit) < cost(&best) {
                 best = fit;
@@ -95,10 +87,10 @@ pub fn polish(
     expected: &Noise,
     noise: &Noise,
 ) -> Result<Fit, BuildError> {
-    let first = noise::refine(problem, start, expected, noise, 0.8)?;
-    let fit = problem.fit(origin, start, coordinates, &first, 4)?;
-    let second = noise::refine(problem, &fit.model, expected, &first, 0.3)?;
-    problem.fit(origin, &fit.model, coordinates, &second, 3)
+    let first = noise::refine(problem, start, expected, noise)?;
+    let fit = problem.fit(origin, start, coordinates, &first, 6)?;
+    let second = noise::refine(problem, &fit.model, expected, &first)?;
+    problem.fit(origin, &fit.model, coordinates, &second, 4)
 }
 
 /// Refits on until nothing is gained any more: polishing again as long as that helps, and from
