@@ -17,7 +17,14 @@ fn every_stated_number_has_its_row_and_few_are_tuned() {
         assert_eq!(!row.agrees, row.note.starts_with("disagrees"), "{row:?}");
     }
     let agree = |id: &str| numbers.iter().find(|row| row.id == id).unwrap().agrees;
-    for id in ["explicit-step", "fig6-overshoot", "fig8-speed", "fig10-phase", "friction-loss"] {
+    for id in [
+        "explicit-step",
+        "fig6-overshoot",
+        "fig8-speed",
+        "fig10-phase",
+        "friction-loss",
+        "equivalent",
+    ] {
         assert!(agree(id), "{id}");
     }
     // Section 5.1: the paper's limit, and a step five hundred times longer that holds it.
