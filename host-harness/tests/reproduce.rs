@@ -27,6 +27,12 @@ fn every_stated_number_has_its_row_and_few_are_tuned() {
     ] {
         assert!(agree(id), "{id}");
     }
+    // What the notes of the rows that disagree say.
+    let why = &runs.why;
+    assert!(why.light_angle > why.frictionless_angle && why.frictionless_angle > 0.01, "{why:?}");
+    assert!(why.stiffer[0] < 1.5 && (why.stiffer[1] - 6000.0).abs() < 600.0, "{why:?}");
+    assert!(why.gentle[0] < 1.5 && why.gentle[1] < 0.5 * why.stiffer[1], "{why:?}");
+    assert!(why.loss_at_catalogue > 1.5 * 0.15, "{why:?}");
     // Section 5.1: the paper's limit, and a step five hundred times longer that holds it.
     let claim = &runs.claim;
     assert_eq!(claim.longest_explicit_us(), 0.1);

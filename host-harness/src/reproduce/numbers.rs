@@ -194,8 +194,8 @@ fn gear(table: &mut Table, runs: &Runs, six_step: bool) {
         format!(
             "disagrees: the second stage's friction of 1 to 1.5 mNm winds its spring of 15 Nm/rad up by \
              0.1 rad at the motor. With a tenth of the stages' friction it is {:.3} rad, without any \
-             {:.3} rad, from the stages' inertia alone: the paper's 0.01 rad is that of a gear next to \
-             free of friction, and such a gear shows no stick-slip as in figure 6c",
+             {:.3} rad, from the stages' inertia alone; so 0.01 rad asks for next to \
+             no friction and for a stiffer or lighter second stage besides",
             runs.why.light_angle, runs.why.frictionless_angle
         ),
     );
