@@ -212,8 +212,12 @@ impl<'a> Problem<'a> {
             if round == rounds {
                 break;
             }
-            let before = self.sum_of_squares(&innovations)
-                + at.component_mul(&at).component_mul(&precision).sum();
+            let prior = |model: &Model| {
+                let at = offset(model);
+                at.component_mul(&at).component_mul(&precision).sum()
+            };
+            let before = self.sum_of_squares(&innovations) + prior(&model);
+            let likely = deviance + prior(&model);
             let mut gained = 0.0;
             for _ in 0..6 {
                 let mut damped = curvature.clone();
@@ -226,23 +230,22 @@ impl<'a> Problem<'a> {
                     coordinate.shift(&mut moved, coordinate.limited(*step));
                 }
                 let after = match self.innovations(&moved, &gains) {
-                    Ok(rows) => {
-                        let at = offset(&moved);
-                        self.sum_of_squares(&rows)
-                            + at.component_mul(&at).component_mul(&precision).sum()
-                    }
+                    Ok(rows) => self.sum_of_squares(&rows) + prior(&moved),
                     Err(_) => f64::INFINITY,
                 };
                 if after < before {
-                    model = moved;
-                    gained = before - after;
-                    damping = (damping * 0.1).max(1e-9);
-                    break;
+                    // What frozen gains promise must hold for the filter designed at the new point.
+                    let (g, i, d) = self.design(&moved, noise)?;
+                    let after = d + prior(&moved);
+                    if after < likely {
+                        (gains, innovations, deviance) = (g, i, d);
+                        model = moved;
+                        gained = likely - after;
+                        damping = (damping * 0.1).max(1e-9);
+                        break;
+                    }
                 }
                 damping *= 10.0;
-            }
-            if gained > 0.0 {
-                (gains, innovations, deviance) = self.design(&model, noise)?;
             }
             if gained < 0.3 {
                 break;
