@@ -43,6 +43,7 @@ verbs! {
     Identify => identify,
     Discover => discover,
     Observe => observe,
+    ObserveBench => observe_bench,
     Score => score,
     Demo => demo,
     Export => export,

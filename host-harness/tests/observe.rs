@@ -1,6 +1,8 @@
 //! The observer on joints whose truth is known: how good it is, and what it bears.
 
 use host_harness::model::{Model, Sensor};
+use host_harness::observe::baseline::Baseline;
+use host_harness::observe::bench::simulated;
 use host_harness::observe::design::{Tuning, design};
 use host_harness::observe::judge::shown;
 use host_harness::observe::rating::Rating;
@@ -154,4 +156,15 @@ fn a_resistance_that_is_off_does_not_pass_for_a_load() {
     let off = load_error(&found(&wrong, &seen), &motion, 600);
     println!("R +15 %: {off:.4} where {right:.4} is right");
     assert!(off < 2.0 * right, "{off} where {right} is right");
+}
+
+#[test]
+fn the_bench_judges_baselines_that_find_the_load_and_an_observer_that_finds_it_better() {
+    let cases = simulated(2, 1).unwrap();
+    let case = &cases[0];
+    let load = |wanted| case.baselines.iter().find(|(kind, _)| *kind == wanted).unwrap().1.load;
+    for kind in [Baseline::Disturbance, Baseline::Rigid] {
+        assert!(load(kind) < 0.5, "{}: {}", kind.name(), load(kind));
+        assert!(case.observer.load < load(kind), "{} against {}", case.observer.load, load(kind));
+    }
 }

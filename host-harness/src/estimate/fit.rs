@@ -22,6 +22,8 @@ use crate::plant::{BuildError, plant};
 /// the last refinement, and before derivatives are in any case.
 const NEAR: f64 = 0.02;
 const FAR: f64 = 0.2;
+/// What of minus twice the log-likelihood a step must gain to be followed by another.
+const ENOUGH: f64 = 0.3;
 
 /// A model fitted to a record.
 #[derive(Clone, Debug)]
@@ -193,22 +195,32 @@ impl<'a> Problem<'a> {
         noise: &Noise,
         rounds: usize,
     ) -> Result<Fit, BuildError> {
-        let (mut gains, mut innovations, mut deviance) = self.design(start, noise)?;
-        let mut model = start.clone();
         let precision = precision(coordinates);
         let offset = |model: &Model| offset(coordinates, origin, model);
         let prior = |at: &DVector<f64>| at.component_mul(at).component_mul(&precision).sum();
+        let designed = |model: &Model| -> Result<Point, BuildError> {
+            let (gains, innovations, deviance) = self.design(model, noise)?;
+            let cost = deviance + prior(&offset(model));
+            Ok(Point { model: model.clone(), gains, innovations, deviance, cost })
+        };
+        // Where the filter was last designed, and how far the search has gone on from there with its
+        // gains.
+        let mut best = designed(start)?;
+        let (mut model, mut innovations) = (best.model.clone(), best.innovations.clone());
+        let (mut stale, mut failed) = (0.0, 0);
         let mut damping = 1e-3;
         let mut derivative: Option<Derivative> = None;
-        let (mut taken, mut stale) = (0, 0.0);
-        loop {
+        let mut taken = 0;
+        let mut searching = true;
+        while searching {
             let residual = self.residual(&innovations);
             let own = match &mut derivative {
                 Some(own) => own,
                 None if taken == rounds || interrupt::asked() => break,
                 None => {
                     taken += 1;
-                    let jacobian = self.sensitivity(&model, &gains, coordinates, Some(&residual));
+                    let here = Some(&residual);
+                    let jacobian = self.sensitivity(&model, &best.gains, coordinates, here);
                     derivative.insert(Derivative { jacobian, moved: 0.0 })
                 }
             };
@@ -216,28 +228,25 @@ impl<'a> Problem<'a> {
             let gradient = own.jacobian.tr_mul(&residual) + precision.component_mul(&at);
             let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
             let before = self.sum_of_squares(&innovations) + prior(&at);
-            let attempts = if own.moved == 0.0 { 6 } else { 1 };
+            let fresh = own.moved == 0.0;
             let mut gained = None;
-            for _ in 0..attempts {
+            for _ in 0..if fresh { 6 } else { 1 } {
                 let mut damped = curvature.clone();
                 for k in 0..coordinates.len() {
                     damped[(k, k)] += damping * curvature[(k, k)];
                 }
                 let Some(step) = damped.cholesky().map(|c| -c.solve(&gradient)) else { break };
-                let step = DVector::from_iterator(
-                    coordinates.len(),
-                    coordinates.iter().zip(step.iter()).map(|(c, step)| c.limited(*step)),
-                );
+                let limited = coordinates.iter().zip(step.iter()).map(|(c, step)| c.limited(*step));
+                let step = DVector::from_iterator(coordinates.len(), limited);
                 let mut moved = model.clone();
                 for (coordinate, step) in coordinates.iter().zip(step.iter()) {
                     coordinate.shift(&mut moved, *step);
                 }
-                let rows = self.innovations(&moved, &gains).unwrap_or_default();
-                let after = match rows.is_empty() {
-                    true => f64::INFINITY,
-                    false => self.sum_of_squares(&rows) + prior(&offset(&moved)),
-                };
-                if after < before {
+                let after = self.innovations(&moved, &best.gains).ok().map(|rows| {
+                    let cost = self.sum_of_squares(&rows) + prior(&offset(&moved));
+                    (rows, cost)
+                });
+                if let Some((rows, after)) = after.filter(|(_, after)| *after < before) {
                     let promised = -(2.0 * gradient.dot(&step) + step.dot(&(&curvature * &step)));
                     own.turn(&step, &(self.residual(&rows) - &residual));
                     (model, innovations) = (moved, rows);
@@ -248,27 +257,38 @@ impl<'a> Problem<'a> {
                 }
                 damping *= 10.0;
             }
-            let fresh = own.moved == 0.0;
+            let moved = own.moved;
             match gained {
-                None if fresh => break,
+                None if fresh => searching = false,
                 None => derivative = None,
+                Some((gained, _)) if gained < ENOUGH && moved < NEAR => searching = false,
                 Some((gained, promised)) => {
-                    if gained < 0.3 && own.moved < NEAR {
-                        break;
-                    }
-                    if gained < 0.3 || gained < 0.5 * promised || own.moved > FAR {
+                    if gained < ENOUGH || gained < 0.5 * promised || moved > FAR {
                         derivative = None;
                     }
                 }
             }
-            if stale > NEAR {
-                (gains, innovations, deviance) = self.design(&model, noise)?;
-                stale = 0.0;
+            if stale > NEAR || (!searching && stale > 0.0) {
+                // What frozen gains promise must hold for the filter designed at the new point.
+                let here = designed(&model)?;
+                if here.cost < best.cost {
+                    best = here;
+                } else {
+                    failed += 1;
+                    damping = (damping * 1e3).min(1e3);
+                    derivative = None;
+                    searching = failed < 3;
+                }
+                (model, innovations, stale) = (best.model.clone(), best.innovations.clone(), 0.0);
             }
         }
         if stale > 0.0 {
-            (gains, innovations, deviance) = self.design(&model, noise)?;
+            let here = designed(&model)?;
+            if here.cost < best.cost {
+                best = here;
+            }
         }
+        let Point { model, gains, innovations, deviance, .. } = best;
         let at = offset(&model);
         Ok(Fit {
             prior: prior(&at),
@@ -289,6 +309,15 @@ impl<'a> Problem<'a> {
         let count = fit.coordinates.len();
         curvature.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse())
     }
+}
+
+/// A model with the filter designed at it.
+struct Point {
+    model: Model,
+    gains: Gains,
+    innovations: Vec<[f64; CHANNELS]>,
+    deviance: f64,
+    cost: f64,
 }
 
 /// How the residual changes with the coordinates, and how far the model has moved since this was

@@ -1,8 +1,14 @@
 //! From a nominal model to the best one of the same structure.
 //!
-//! A spring that is twenty per cent off puts the chain's modes out of phase with the record, and
-//! from there a local search slides into a wrong valley; so the springs are tried stiffer and
-//! softer first, with a filter that trusts the model little. The rest follows by itself.
+//! Where friction sticks and slips, the likelihood of a filter that trusts its model is rugged: a
+//! search that begins there ends in the next hollow, with the scale of a whole stage tens of per
+//! cent off. A filter that trusts the model little takes every sample on its own and sees a smooth
+//! slope, so the search begins with that one, and trust grows on the way. What even that one hardly
+//! sees is the scale of a whole stage: spring, inertia and friction times one factor move the same
+//! way and only push differently on the mass ahead. The inertias behind gears, which a drawing gives
+//! best, are held until the springs fit them. Where that ends with more
+//! noise than one believes, springs are tried stiffer and softer besides: twenty per cent off puts
+//! the chain's modes out of phase with the record.
 
 use rayon::prelude::*;
 
@@ -16,6 +22,10 @@ use crate::plant::BuildError;
 
 /// How far a spring is tried off its nominal, in the logarithm.
 pub const SPRING_TRIAL: f64 = 0.2;
+/// How much less the model is trusted at first: times the expected noise.
+const COOLING: [f64; 2] = [30.0, 10.0];
+/// Most rounds at each of these.
+const COOLING_ROUNDS: usize = 6;
 /// How much less the model is trusted while the springs are tried.
 const DISTRUST: f64 = 3.0;
 
@@ -45,15 +55,24 @@ pub fn resettle(
     coordinates: &[Coordinate],
 ) -> Result<Fit, BuildError> {
     let expected = noise::expected(origin, problem.record);
+    let mut start = start.clone();
+    let held = |c: &&Coordinate| !matches!(c, Coordinate::Parameter(Quantity::Inertia(1..)));
+    let scaled: Vec<Coordinate> = coordinates.iter().filter(held).copied().collect();
+    for distrust in COOLING {
+        let (drive, torque) = (distrust * expected.drive, distrust * expected.torque);
+        let loose = Noise { drive, torque, ..expected };
+        start = problem.fit(origin, &start, &scaled, &loose, COOLING_ROUNDS)?.model;
+    }
     // Whatever the model misses is noise at first, or the parameters would bend to explain it.
-    let apparent = noise::refine(problem, start, &expected, &expected)?;
+    let apparent = noise::refine(problem, &start, &expected, &expected)?;
     let wide = Noise {
         drive: apparent.drive.max(DISTRUST * expected.drive),
         torque: apparent.torque.max(DISTRUST * expected.torque),
         ..apparent
     };
-    let mut best = problem.fit(origin, start, coordinates, &wide, 3)?;
-    for stage in (0..origin.stages.len()).rev() {
+    let mut best = problem.fit(origin, &start, coordinates, &wide, 3)?;
+    let trials = if doubtful(&apparent, &expected) { origin.stages.len() } else { 0 };
+    for stage in (0..trials).rev() {
         let from = best.model.clone();
         let spring = Quantity::Stiffness(stage);
         let here = spring.distance(origin, &from);
@@ -114,9 +133,7 @@ pub fn converge(
         if gained > WORTHWHILE {
             continue;
         }
-        let doubtful = best.noise.torque > DOUBTFUL * expected.torque
-            || best.noise.drive > DOUBTFUL * expected.drive;
-        if attempt + 1 == ATTEMPTS || !doubtful || origin.stages.is_empty() {
+        if attempt + 1 == ATTEMPTS || !doubtful(&best.noise, expected) || origin.stages.is_empty() {
             break;
         }
         let moved = resettle(problem, origin, &best.model, &best.coordinates)?;
@@ -126,6 +143,11 @@ pub fn converge(
         best = moved;
     }
     Ok(best)
+}
+
+/// Whether a model asks for more noise than one believes.
+fn doubtful(noise: &Noise, expected: &Noise) -> bool {
+    noise.torque > DOUBTFUL * expected.torque || noise.drive > DOUBTFUL * expected.drive
 }
 
 /// Deviance and prior together: what fits are compared by.

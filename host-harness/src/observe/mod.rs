@@ -4,6 +4,8 @@
 //! its effects and its sensors: how much of an innovation belongs to which state, how uncertain
 //! the result is, from when on a load has changed.
 
+pub mod baseline;
+pub mod bench;
 pub mod design;
 pub mod judge;
 pub mod linear;

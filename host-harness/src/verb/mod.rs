@@ -15,6 +15,7 @@ pub mod identify;
 mod load;
 pub mod monitor;
 pub mod observe;
+pub mod observe_bench;
 pub mod reproduce;
 pub mod score;
 pub mod simulate;
