@@ -46,6 +46,7 @@ verbs! {
     Score => score,
     Demo => demo,
     Export => export,
+    Flash => flash,
     Monitor => monitor,
     Capture => capture,
 }
