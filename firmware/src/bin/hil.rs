@@ -59,15 +59,19 @@ mod on_board {
             while let Some(command) = COMMANDS.dequeue() {
                 session.command(command);
             }
-            let mut tick = || session.tick(sample, 0, Status::default(), &MESSAGES);
+            let mut tick = || period(session, sample);
             match counter {
                 Some(counter) => *most = (*most).max(counter.measure(tick).1),
-                None => {
-                    tick();
-                }
+                None => tick(),
             }
             PERIODS.fetch_add(1, Ordering::Relaxed);
         });
+    }
+
+    /// A control period, with a stack frame of its own wherever it is called from.
+    #[inline(never)]
+    fn period(session: &mut Session, sample: Sample) {
+        session.tick(sample, 0, Status::default(), &MESSAGES);
     }
 
     #[cortex_m_rt::entry]
@@ -91,23 +95,24 @@ mod on_board {
         println!("start_stack_bytes={}", board::stack_used());
         let bytes = board::stack_of(|| {
             let sample = core::hint::black_box(Sample::default());
-            session.tick(sample, 0, Status::default(), &MESSAGES);
+            period(session, sample);
         });
         println!("tick_stack_bytes={bytes}");
         while MESSAGES.dequeue().is_some() {}
         if !cfg!(feature = "mps2") {
-            println!("frame_instructions={}", frame_instructions(session));
+            session.command(Command::Rate(1));
+            period(session, Sample::default());
+            println!("frame_instructions={}", frame_instructions());
         }
         // Again from rest, as if it had not been.
         session.start(board::parameter_page())?;
         Ok(session)
     }
 
-    /// Of making a report's frame, which the main program does outside of the interrupt.
+    /// Of making the frame of the report that waits, which the main program does outside of the
+    /// interrupt.
     #[inline(never)]
-    fn frame_instructions(session: &mut Session) -> u32 {
-        session.command(Command::Rate(1));
-        session.tick(Sample::default(), 0, Status::default(), &MESSAGES);
+    fn frame_instructions() -> u32 {
         let mut link = Link::default();
         let counter = InstructionCounter::start();
         counter.measure(|| link.send(&MESSAGES, |frame| !core::hint::black_box(frame).is_empty())).1
