@@ -2,9 +2,12 @@
 //!
 //! The equations make no energy, and a method that integrates them may not either. The ledger takes a
 //! state, says what power flows and what is stored in it, and knows nothing of how the state came about.
-//! Effects are not counted.
+//! Of what lies beside the plain joint it counts the mesh of a worm and the coating; other effects not.
 
+use joint_core::effect::Kind;
+use joint_core::params::Stage;
 use joint_core::per_unit::{Bases, reflected_inertia};
+use joint_core::worm;
 
 use crate::model::Model;
 use crate::plant::Layout;
@@ -18,6 +21,8 @@ pub struct Powers {
     pub dampers: f64,
     /// Taken by friction: heat, and what bends bristles.
     pub friction: f64,
+    /// Put into the coating: stored in it, and heat of its loop.
+    pub coating: f64,
     /// Put into the load per Nm of it.
     pub load_per_nm: f64,
 }
@@ -51,6 +56,17 @@ struct Mass {
     alpha0: f64,
     beta: f64,
     stribeck: f64,
+    /// Where the mass is a worm: friction per torque passed on, driving and driven.
+    mesh: Option<[f64; 2]>,
+}
+
+/// The coating of the output, at its own side.
+struct Coating {
+    linear: f64,
+    cubic: f64,
+    hysteresis: f64,
+    /// Its place among what effects remember.
+    slot: usize,
 }
 
 /// The ledger of one joint.
@@ -61,10 +77,11 @@ pub struct Ledger {
     masses: Vec<Mass>,
     /// Linear and cubic stiffness, damping; reflected.
     springs: Vec<[f64; 3]>,
+    coating: Option<Coating>,
 }
 
 impl Ledger {
-    /// Of a model, without its effects.
+    /// Of a model, without its effects but the coating.
     pub fn new(model: &Model) -> Self {
         let Model { motor, stages, load, .. } = model;
         let bases = Bases::si(motor, stages);
@@ -83,6 +100,7 @@ impl Ledger {
                 alpha0,
                 beta: if alpha0 > 0.0 { friction.stribeck_nm / friction.coulomb_nm } else { 0.0 },
                 stribeck: friction.stribeck_velocity_rad_per_s / shaft.abs(),
+                mesh: stages.get(k).and_then(mesh),
             }
         });
         let springs = stages.iter().enumerate().map(|(k, stage)| {
@@ -93,7 +111,19 @@ impl Ledger {
                 stage.damping_nm_s_per_rad * square,
             ]
         });
+        let remembering = model.effects.iter().filter(|effect| effect.kind.remembers());
+        let coating = remembering.enumerate().find(|(_, effect)| effect.kind == Kind::Coating);
+        let coating = coating.map(|(slot, effect)| {
+            let value = |key| effect.get(key).unwrap_or(0.0);
+            Coating {
+                linear: value("stiffness_nm_per_rad"),
+                cubic: value("cubic_stiffness_nm_per_rad3"),
+                hysteresis: value("hysteresis_nm"),
+                slot,
+            }
+        });
         Self {
+            coating,
             layout: Layout::of(model),
             resistance: bases.resistance,
             inductance: 2.0 * motor.phase_inductance_h,
@@ -109,14 +139,15 @@ impl Ledger {
             let relative = state[self.layout.speed(k)] - state[self.layout.speed(k + 1)];
             damping * relative * relative
         });
-        let friction = self.masses.iter().enumerate().map(|(k, mass)| {
-            mass.friction(state[self.layout.speed(k)], state[self.layout.bristle(k)])
-        });
+        let friction = (0..self.masses.len()).map(|k| self.friction_of(k, state));
         let last = self.masses.len() - 1;
         Powers {
             winding: self.resistance * current * current,
             dampers: dampers.sum(),
             friction: friction.sum(),
+            coating: self.coating_torque(state)
+                * self.masses[last].shaft
+                * state[self.layout.speed(last)],
             load_per_nm: self.masses[last].shaft * state[self.layout.speed(last)],
         }
     }
@@ -124,7 +155,38 @@ impl Ledger {
     /// Power that one mass's friction takes, W.
     pub fn friction_of(&self, mass: usize, state: &[f64]) -> f64 {
         let (speed, bristle) = (self.layout.speed(mass), self.layout.bristle(mass));
-        self.masses[mass].friction(state[speed], state[bristle])
+        let passed_on =
+            if mass < self.springs.len() { self.stage_torque(mass, state) } else { 0.0 };
+        self.masses[mass].friction(state[speed], state[bristle], passed_on)
+    }
+
+    /// Torque of a stage's spring and damper, seen from the motor, Nm; stages from 0.
+    pub fn stage_torque(&self, stage: usize, state: &[f64]) -> f64 {
+        let [linear, cubic, damping] = self.springs[stage];
+        let deflection = state[self.layout.deflection(stage)];
+        let [before, behind] = [stage, stage + 1].map(|mass| state[self.layout.speed(mass)]);
+        deflection * (linear + cubic * deflection * deflection) + damping * (before - behind)
+    }
+
+    /// A state of the reference as the drive's step has it: bristle torques over the Coulomb level in
+    /// place of bristle deflections.
+    pub fn of_reference(&self, state: &[f64]) -> Vec<f64> {
+        let mut own = state.to_vec();
+        for (k, mass) in self.masses.iter().enumerate() {
+            let scale = if mass.alpha0 > 0.0 { mass.sigma0 / mass.alpha0 } else { 0.0 };
+            own[self.layout.bristle(k)] *= scale;
+        }
+        own
+    }
+
+    /// Torque of the coating against positive motion, Nm at the output.
+    fn coating_torque(&self, state: &[f64]) -> f64 {
+        let Some(coating) = &self.coating else { return 0.0 };
+        let windup: f64 = (0..self.springs.len()).map(|k| state[self.layout.deflection(k)]).sum();
+        let shaft = self.masses[self.masses.len() - 1].shaft;
+        let angle = (state[Layout::ANGLE] - windup) * shaft;
+        let loop_torque = coating.hysteresis * state[self.layout.memory(coating.slot)];
+        angle * (coating.linear + coating.cubic * angle * angle) + loop_torque
     }
 
     /// Energy in one mass's bristles, J.
@@ -151,12 +213,17 @@ impl Ledger {
 }
 
 impl Mass {
-    /// `F v`, with F of (2) from the bristle torque over the Coulomb level.
-    fn friction(&self, speed: f64, zeta: f64) -> f64 {
+    /// `F v`, with F of (2) from the bristle torque over the Coulomb level and, for a worm, the torque
+    /// that it passes on.
+    fn friction(&self, speed: f64, zeta: f64, passed_on: f64) -> f64 {
         if self.alpha0 <= 0.0 {
             return (self.sigma1 + self.sigma2) * speed * speed;
         }
-        let level = 1.0 + self.beta * (-(speed / self.stribeck).powi(2)).exp();
+        let mesh = self.mesh.map_or(1.0, |[driving, driven]| {
+            let share = if (speed < 0.0) == (passed_on < 0.0) { driving } else { driven };
+            1.0 + share * passed_on.abs() / self.alpha0
+        });
+        let level = mesh * (1.0 + self.beta * (-(speed / self.stribeck).powi(2)).exp());
         let bending = 1.0 - speed.signum() * zeta / level;
         (self.alpha0 * zeta + (self.sigma1 * bending + self.sigma2) * speed) * speed
     }
@@ -165,4 +232,9 @@ impl Mass {
     fn bristles(&self, zeta: f64) -> f64 {
         if self.sigma0 > 0.0 { 0.5 * (self.alpha0 * zeta).powi(2) / self.sigma0 } else { 0.0 }
     }
+}
+
+/// Friction of a worm's mesh per torque that it passes on, driving and driven.
+fn mesh(stage: &Stage) -> Option<[f64; 2]> {
+    Some([1.0 / worm::efficiency(stage)? - 1.0, 1.0 - worm::back_efficiency(stage)?])
 }

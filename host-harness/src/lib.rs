@@ -10,6 +10,7 @@ pub mod estimate;
 pub mod export;
 pub mod fault;
 pub mod inputs;
+pub mod interrupt;
 pub mod log;
 pub mod model;
 pub mod observe;

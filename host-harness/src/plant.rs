@@ -166,8 +166,8 @@ impl<S: Scalar, const N: usize> Built<S, N> {
             .map(|interval| {
                 let settings = Settings {
                     drive,
-                    step_s: interval / f64::from(grid.per_interval),
-                    micro_steps: grid.micro_steps,
+                    step_s: grid.bridged(*interval) / f64::from(grid.per_interval),
+                    micro_steps: grid.micro_steps(*interval),
                     effects: &model.effects,
                 };
                 Joint::<S, N, EffectSet<S>>::new(&model.motor, &stages, &model.load, &settings)
@@ -249,6 +249,10 @@ impl<const N: usize> Plant for Built<f64, N> {
     }
 }
 
+/// Typical intervals from which on missing samples are a gap, and the joint behind it one that may
+/// have done anything.
+pub const GAP: f64 = 20.0;
+
 /// The distinct intervals of a record.
 #[derive(Clone, Debug)]
 pub struct Grid {
@@ -257,7 +261,10 @@ pub struct Grid {
     serves: Vec<u16>,
     /// Steps taken per interval.
     per_interval: u32,
+    /// Micro-steps of a typical interval.
     micro_steps: Option<u32>,
+    /// Median interval, s.
+    typical: f64,
 }
 
 impl Grid {
@@ -281,7 +288,26 @@ impl Grid {
             intervals.push(1.0);
             serves.push(0);
         }
-        Self { intervals, serves, per_interval: 1, micro_steps }
+        let mut sorted: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        sorted.sort_by(f64::total_cmp);
+        let typical = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
+        Self { intervals, serves, per_interval: 1, micro_steps, typical }
+    }
+
+    /// Micro-steps of an interval: more where a sample is missing, the same where a clock jitters.
+    fn micro_steps(&self, interval: f64) -> Option<u32> {
+        let asked = self.micro_steps?;
+        Some(asked.max((0.7 * f64::from(asked) * interval / self.typical).ceil() as u32))
+    }
+
+    /// What is stepped of an interval: an estimator starts anew behind a gap.
+    fn bridged(&self, interval: f64) -> f64 {
+        if self.micro_steps.is_some() { interval.min(GAP * self.typical) } else { interval }
+    }
+
+    /// Median interval, s.
+    pub fn typical_interval(&self) -> f64 {
+        self.typical
     }
 
     /// Length of the interval after sample `k`, s.

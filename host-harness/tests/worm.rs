@@ -1,43 +1,14 @@
 //! The whole joint, two planetary stages and a worm, beyond 10000:1.
 
-use std::path::Path;
-
-use host_harness::model::Model;
 use host_harness::plant::{self, Inputs, ScalarKind, Snapshot};
 use host_harness::reference::{self, Method, Options};
+use host_harness::reproduce::systems;
 use joint_core::joint::Drive;
 
-const MODEL: &str = r#"
-name = "whole"
-[motor]
-phase_resistance_ohm = 4.55
-phase_inductance_h = 13e-6
-torque_constant_nm_per_a = 1.38e-3
-rotor_inertia_kg_m2 = 9.5e-10
-friction = { sigma0_nm_per_rad = 0.05, sigma1_nm_s_per_rad = 4e-7, sigma2_nm_s_per_rad = 1e-9, coulomb_nm = 9e-6, stribeck_nm = 4e-6, stribeck_velocity_rad_per_s = 20 }
-[[stage]]
-reduction = 32
-inertia_kg_m2 = 2e-9
-stiffness_nm_per_rad = 0.35
-friction = { sigma0_nm_per_rad = 1.5, sigma1_nm_s_per_rad = 6e-6, sigma2_nm_s_per_rad = 2e-8, coulomb_nm = 8e-5, stribeck_nm = 4e-5, stribeck_velocity_rad_per_s = 0.6 }
-[[stage]]
-reduction = 32
-inertia_kg_m2 = 2e-7
-stiffness_nm_per_rad = 15
-friction = { sigma0_nm_per_rad = 60, sigma1_nm_s_per_rad = 2e-3, sigma2_nm_s_per_rad = 2e-5, coulomb_nm = 1e-3, stribeck_nm = 5e-4, stribeck_velocity_rad_per_s = 0.02 }
-[[stage]]
-reduction = 20
-inertia_kg_m2 = 2e-5
-stiffness_nm_per_rad = 200
-damping_nm_s_per_rad = 0.01
-worm_lead_angle_rad = 0.08
-worm_friction_coefficient = 0.12
-"#;
-
 fn run(volts: f64, load_nm: f64) -> [Vec<Snapshot>; 3] {
-    let model = Model::parse(MODEL, Path::new("whole.toml")).unwrap();
-    let ratio: f64 = model.stages.iter().map(|stage| stage.reduction).product();
-    assert!(ratio > 10_000.0);
+    let joints = systems::built_in().unwrap();
+    let (_, model) = joints.into_iter().find(|(file, _)| *file == "joint_20480").unwrap();
+    assert!(systems::ratio(&model) > 10_000.0);
     let time_s: Vec<f64> = (0..=600).map(|k| f64::from(k) * 1e-4).collect();
     let inputs = Inputs {
         drive: Drive::Voltage,

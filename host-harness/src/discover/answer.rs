@@ -11,7 +11,9 @@ use indicatif::ProgressBar;
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
+use nalgebra::DMatrix;
 
+use super::experiment::{Experiment, experiment};
 use super::findings::{
     Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Rival, Verdict, Whereabouts,
 };
@@ -25,6 +27,7 @@ use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel, JoinError, Record};
 use crate::estimate::refit;
+use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{BuildError, micro_steps};
@@ -36,6 +39,8 @@ const BLOCKS: usize = 10;
 const HELD_OUT: [usize; 3] = [3, 6, 9];
 /// How many times finer the step is made when the gate complains.
 const FINER: u32 = 4;
+/// Samples that are looked at; longer logs are thinned to stretches.
+const MOST_SAMPLES: usize = 60_000;
 /// Units of log-likelihood that separate two names by a factor e: friction laws and sensors that
 /// differ slightly from ours move likelihoods by some tens.
 const SEPARATION: f64 = 25.0;
@@ -77,11 +82,14 @@ pub fn discover_without(
     bar: &ProgressBar,
 ) -> Result<Findings, DiscoverError> {
     let began = Instant::now();
-    let coarse = Record::join(logs, None)?;
-    if coarse.len() < 200 {
-        return Err(DiscoverError::Short(coarse.len()));
+    let whole = Record::join(logs, None)?;
+    let samples = whole.len();
+    if samples < 200 {
+        return Err(DiscoverError::Short(samples));
     }
-    let micro_steps = micro_steps(nominal, coarse.grid.interval(0)).max(2);
+    let coarse = whole.thinned(MOST_SAMPLES);
+    // The filter corrects every sample, so that one interval need be right, not a whole run.
+    let micro_steps = (micro_steps(nominal, coarse.grid.typical_interval()) / 2).max(2);
     let mut record = coarse.refined(micro_steps);
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
@@ -92,7 +100,7 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
-    if !remainder.is_noise() && !found.rounds.is_empty() {
+    if !remainder.is_noise() && !found.rounds.is_empty() && !interrupt::asked() {
         // The step itself may be what is not noise: gaps and load-following friction ask for more.
         let finer = coarse.refined(micro_steps * FINER);
         let problem = Problem::new(&finer, &fitted);
@@ -138,19 +146,35 @@ pub fn discover_without(
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
     let complaints = remainder.complaints();
     let answer = match (found.rounds.is_empty(), complaints.is_empty()) {
+        (true, true) if interrupt::asked() => Answer::Unknown,
         (true, true) => Answer::Adequate,
         (false, true) => Answer::Effect,
         (_, false) => Answer::Unknown,
     };
-    let effects = named(&found, nominal.effects.len(), complaints.is_empty());
+    let covariance = problem.covariance(after);
+    let effects = named(&found, nominal.effects.len(), complaints.is_empty(), &covariance);
     let close = found.rounds.first().and_then(|round| {
         let rival = round.rivals.first()?;
         (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
     });
     let names: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
     let equation = disagreement.whereabouts.equation.clone();
-    let next_experiment = advice(answer, &names, close, blind(nominal, &record), &equation);
-    let reasons = reasons(&found, &record, &gap, &complaints);
+    let mut next_experiment = advice(answer, &names, close, blind(nominal, &record), &equation);
+    bar.set_message("what to measure next");
+    let experiment = decisive(&found, &record, micro_steps, answer)?;
+    if let Some(experiment) = &experiment {
+        next_experiment += &told(experiment);
+    }
+    let mut reasons = reasons(&found, &record, &gap, &complaints);
+    if samples > record.len() {
+        reasons.push(format!(
+            "of {samples} samples {} were looked at, in stretches over the whole log",
+            record.len()
+        ));
+    }
+    if interrupt::asked() {
+        reasons.insert(0, "interrupted: this is what was known by then".to_owned());
+    }
     let whereabouts = match answer {
         Answer::Adequate => Whereabouts { equation: "none".into(), ..Whereabouts::default() },
         _ => disagreement.whereabouts,
@@ -175,10 +199,38 @@ pub fn discover_without(
         push: disagreement.push,
         shape: disagreement.shape,
         orders: orders.iter().map(|order| [*order, f64::NAN, f64::NAN]).collect(),
-        parameters: parameter_rows(nominal, before, after),
+        parameters: parameter_rows(nominal, before, after, &covariance),
         scores: found.scores.clone(),
         noises: noise_rows(&found, &record),
+        experiment,
     })
+}
+
+/// The experiment that would tell the name from its best rival, or from nothing where it has none.
+fn decisive(
+    found: &Search,
+    record: &Record,
+    micro_steps: u32,
+    answer: Answer,
+) -> Result<Option<Experiment>, BuildError> {
+    if answer == Answer::Adequate || interrupt::asked() {
+        return Ok(None);
+    }
+    let Some(round) = found.rounds.last() else { return Ok(None) };
+    let rival = round.runner_up.as_ref().unwrap_or(&found.before);
+    experiment(record, micro_steps, [&found.after, rival])
+}
+
+/// An experiment in a sentence.
+fn told(experiment: &Experiment) -> String {
+    let Experiment { name, worth, .. } = experiment;
+    let mut text = format!(
+        "; the input in next_experiment.csv ({name}) would separate the best two models by {worth:.0} units of log-likelihood"
+    );
+    if let Some(seen) = experiment.with_output {
+        text += &format!(", with an encoder behind the last stage by {seen:.0}");
+    }
+    text
 }
 
 /// Orders of the rotor angle: those of the lines that were added, the strongest first, then what
@@ -250,14 +302,14 @@ fn gap(
     }
 }
 
-fn named(found: &Search, standing: usize, clean: bool) -> Vec<Named> {
+fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>) -> Vec<Named> {
     let fit = &found.after.fit;
     let effects = fit.model.effects.iter().enumerate().skip(standing);
     effects
         .zip(&found.rounds)
         .map(|((number, effect), round)| {
             let (confidence, rivals) = confidence(round, clean);
-            let (parameters, standard_errors) = sizes(fit, number, effect);
+            let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
             Named {
                 kind: effect.kind.spec().kind.to_owned(),
                 location: effect.location.to_string(),
@@ -291,6 +343,7 @@ fn confidence(round: &Round, clean: bool) -> (f64, Vec<Rival>) {
 /// An effect's values by key, and one sigma of those that were fitted.
 fn sizes(
     fit: &Fit,
+    covariance: &DMatrix<f64>,
     number: usize,
     effect: &EffectParameters,
 ) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
@@ -302,14 +355,14 @@ fn sizes(
     for (k, coordinate) in fit.coordinates.iter().enumerate() {
         match *coordinate {
             Coordinate::Effect { effect: own, value, scale, .. } if own == number => {
-                errors.insert(key(value), fit.covariance[(k, k)].sqrt() * scale);
+                errors.insert(key(value), covariance[(k, k)].sqrt() * scale);
             }
             Coordinate::Phasor { effect: own, amplitude, sine: false, scale, .. }
                 if own == number =>
             {
                 let (size, phase) = (effect.values[amplitude], effect.values[amplitude + 1]);
-                let (cc, ss) = (fit.covariance[(k, k)], fit.covariance[(k + 1, k + 1)]);
-                let cs = fit.covariance[(k, k + 1)];
+                let (cc, ss) = (covariance[(k, k)], covariance[(k + 1, k + 1)]);
+                let cs = covariance[(k, k + 1)];
                 let (cos, sin) = (phase.cos(), phase.sin());
                 let along = cc * cos * cos + ss * sin * sin + 2.0 * cs * cos * sin;
                 let across = cc * sin * sin + ss * cos * cos - 2.0 * cs * cos * sin;
@@ -325,7 +378,12 @@ fn sizes(
     (parameters, errors)
 }
 
-fn parameter_rows(nominal: &Model, before: &Fit, after: &Fit) -> Vec<ParameterRow> {
+fn parameter_rows(
+    nominal: &Model,
+    before: &Fit,
+    after: &Fit,
+    covariance: &DMatrix<f64>,
+) -> Vec<ParameterRow> {
     after
         .coordinates
         .iter()
@@ -336,7 +394,7 @@ fn parameter_rows(nominal: &Model, before: &Fit, after: &Fit) -> Vec<ParameterRo
                 nominal: quantity.get(nominal),
                 refitted: quantity.get(&before.model),
                 improved: quantity.get(&after.model),
-                relative_sigma: after.covariance[(k, k)].sqrt(),
+                relative_sigma: covariance[(k, k)].sqrt(),
             }),
             _ => None,
         })
@@ -395,9 +453,11 @@ fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) ->
         })
         .collect();
     if found.rounds.is_empty() {
-        all.push(
-            "no listed effect explains more than chance does on twins of the model".to_owned(),
-        );
+        let best = found.scores.iter().map(|row| row.score).fold(0.0, f64::max);
+        let chance = found.chance.first().copied().unwrap_or_default();
+        all.push(format!(
+            "no listed effect explains what is missing: the best score is {best:.0}, chance is ruled out from {chance:.0} on, and a full refit must keep it"
+        ));
     }
     if complaints.is_empty() {
         all.push(format!(

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::experiment::Experiment;
 use crate::estimate::record::CHANNELS;
 use crate::model::Model;
 
@@ -194,4 +195,6 @@ pub struct Findings {
     pub scores: Vec<ScoreRow>,
     /// Noises.
     pub noises: Vec<NoiseRow>,
+    /// What to run next, where that would decide something.
+    pub experiment: Option<Experiment>,
 }

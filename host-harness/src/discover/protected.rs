@@ -50,7 +50,7 @@ pub fn add_protected(
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let least = threshold(gains.iter()).max(LEAST_GAIN);
     let mut ranked: Vec<(&Hypothesis, f64)> =
-        hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
+        hypotheses.iter().zip(gains.iter().map(|gain| gain.real / gain.luck())).collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (hypothesis, score) in ranked.into_iter().filter(|(_, gain)| *gain > least) {
@@ -80,11 +80,12 @@ pub fn add_protected(
     if winner.gain.is_nan() || winner.gain < LEAST_GAIN {
         return Ok(false);
     }
-    let rivals = tried.map(|(rival, _)| rival).collect();
+    let (rivals, mut beaten): (Vec<_>, Vec<_>) = tried.unzip();
+    let runner_up = (!beaten.is_empty()).then(|| beaten.swap_remove(0));
     let Stage { fit, origin } = stage;
     let fit = refit::converge(&problem, &origin, fit, &expected)?;
     let stage = Stage { fit, origin };
-    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals });
+    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals, runner_up });
     search.after = stage;
     Ok(true)
 }

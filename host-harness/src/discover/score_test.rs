@@ -5,6 +5,8 @@
 //! hypothesis explains of the rest is its score. A hypothesis may start at a finite size (a gap
 //! has no derivative at zero): then its own innovations take the place of the base model's.
 
+use std::borrow::Cow;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
@@ -45,6 +47,17 @@ pub struct Gain {
     pub real: f64,
     /// On each twin, where nothing is missing.
     pub null: Vec<f64>,
+    /// Free values.
+    pub free: usize,
+}
+
+impl Gain {
+    /// How many times more than its free values should a hypothesis explains of the twins, one at
+    /// least: some follow what no linear step sees, and would hide all the others.
+    pub fn luck(&self) -> f64 {
+        let mean = self.null.iter().sum::<f64>() / self.null.len().max(1) as f64;
+        (mean / self.free.max(1) as f64).max(1.0)
+    }
 }
 
 impl<'a> ScoreTest<'a> {
@@ -64,7 +77,7 @@ impl<'a> ScoreTest<'a> {
             .collect();
         let plant = plant(&base.model, &problem.record.grid, problem.record.drive).ok()?;
         let observer = Observer::new(&base.model, &*plant, problem.record);
-        let mut along = Linearisation::default();
+        let mut along = Cow::Owned(Linearisation::default());
         let (_, run) = observer.design_along(&mut along, &base.noise, &problem.walks());
         let pulls = std::iter::once(&base.innovations)
             .chain(&nulls)
@@ -156,6 +169,7 @@ impl<'a> ScoreTest<'a> {
         Some(Gain {
             real: if gain.is_finite() { gain } else { 0.0 },
             null: twins.iter().map(explained).collect(),
+            free: coordinates.len(),
         })
     }
 }

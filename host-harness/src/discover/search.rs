@@ -21,6 +21,7 @@ use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::noise;
 use crate::estimate::parameters::Quantity;
 use crate::estimate::refit::{self, cost};
+use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -67,6 +68,8 @@ pub struct Round {
     pub gain: f64,
     /// The others that were refitted.
     pub rivals: Vec<Contender>,
+    /// The best of them, refitted.
+    pub runner_up: Option<Stage>,
 }
 
 /// What the search found.
@@ -82,6 +85,8 @@ pub struct Search {
     pub scores: Vec<ScoreRow>,
     /// Orders of the rotor angle that explain something on the refitted nominal, strongest first.
     pub orders: Vec<f64>,
+    /// What a score had to exceed, by round.
+    pub chance: Vec<f64>,
     /// Kinds that are not on the list.
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
@@ -108,10 +113,14 @@ pub fn search(
         rounds: Vec::new(),
         scores: Vec::new(),
         orders: Vec::new(),
+        chance: Vec::new(),
         withdrawn: withdrawn.to_vec(),
         expected,
     };
     for round in 1..=MOST_EFFECTS {
+        if interrupt::asked() {
+            break;
+        }
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
         let excess = excess(&search);
@@ -123,6 +132,9 @@ pub fn search(
             continue;
         }
         break;
+    }
+    if interrupt::asked() {
+        return Ok(search);
     }
     bar.set_message("trying to do without");
     drop_needless(problem, &mut search)?;
@@ -161,8 +173,9 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     if round == 1 {
         search.orders = told(&lines, &gains, by_chance);
     }
+    search.chance.push(least);
     let mut ranked: Vec<(&Hypothesis, f64)> =
-        hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
+        hypotheses.iter().zip(gains.iter().map(|gain| gain.real / gain.luck())).collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut best_of_name: Vec<(&Hypothesis, f64)> = Vec::new();
     for (hypothesis, gain) in ranked {
@@ -175,30 +188,34 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         search.scores.push(ScoreRow { round, name, score: *score, refitted: None });
     }
 
-    let mut short: Vec<(&Hypothesis, Stage, f64)> = Vec::new();
-    for (hypothesis, score) in best_of_name.iter().filter(|(_, gain)| *gain > least).take(SHORT) {
-        let mut origin = base.origin.clone();
-        origin.effects.push(hypothesis.start);
-        let mut coordinates = base.fit.coordinates.clone();
-        coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
-        let start = hypothesis.added(&base.fit.model);
-        let fit = problem.fit(&origin, &start, &coordinates, &base.fit.noise, 3)?;
-        let gain = (cost(&base.fit) - cost(&fit)).max(*score);
-        short.push((hypothesis, Stage { fit, origin }, gain));
-    }
+    let promising: Vec<&(&Hypothesis, f64)> =
+        best_of_name.iter().filter(|(_, gain)| *gain > least).take(SHORT).collect();
+    let mut short = promising
+        .par_iter()
+        .map(|(hypothesis, score)| {
+            let mut origin = base.origin.clone();
+            origin.effects.push(hypothesis.start);
+            let mut coordinates = base.fit.coordinates.clone();
+            coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+            let start = hypothesis.added(&base.fit.model);
+            let fit = problem.fit(&origin, &start, &coordinates, &base.fit.noise, 3)?;
+            let gain = (cost(&base.fit) - cost(&fit)).max(*score);
+            Ok((*hypothesis, Stage { fit, origin }, gain))
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
     short.sort_by(|a, b| b.2.total_cmp(&a.2));
     let strongest = short.first().map_or(0.0, |(_, _, gain)| *gain);
-    let mut full: Vec<(&Hypothesis, Stage)> = Vec::new();
-    for (hypothesis, stage, _) in
-        short.into_iter().filter(|(_, _, gain)| *gain > 0.1 * strongest).take(FULL)
-    {
-        let Stage { fit, origin } = stage;
-        let coordinates = fit.coordinates.clone();
-        let from = fit.noise;
-        let fit =
-            refit::polish(&problem, &origin, &fit.model, &coordinates, &search.expected, &from)?;
-        full.push((hypothesis, Stage { fit, origin }));
-    }
+    let contending: Vec<_> =
+        short.into_iter().filter(|(_, _, gain)| *gain > 0.1 * strongest).take(FULL).collect();
+    let expected = &search.expected;
+    let mut full: Vec<(&Hypothesis, Stage)> = contending
+        .into_par_iter()
+        .map(|(hypothesis, Stage { fit, origin }, _)| {
+            let Fit { model, coordinates, noise, .. } = fit;
+            let fit = refit::polish(&problem, &origin, &model, &coordinates, expected, &noise)?;
+            Ok((hypothesis, Stage { fit, origin }))
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.
     let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
@@ -219,8 +236,10 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     if winner.gain.is_nan() || winner.gain < least {
         return Ok(false);
     }
-    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals: rivals.to_vec() });
-    search.after = full.swap_remove(0).1;
+    let mut stages = full.into_iter().map(|(_, stage)| stage);
+    search.after = stages.next().unwrap_or(base);
+    let (rivals, runner_up) = (rivals.to_vec(), stages.next());
+    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals, runner_up });
     Ok(true)
 }
 
@@ -239,13 +258,14 @@ fn told(lines: &[(f64, Gain)], gains: &[Gain], by_chance: f64) -> Vec<f64> {
     told.into_iter().map(|(order, _)| order).take(8).collect()
 }
 
-/// What nothing reaches by chance: six sigma above the mean of the twins' best.
+/// What nothing reaches by chance: six sigma above the mean of the twins' best, each measured by its
+/// own luck.
 pub fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
     let mut best = Vec::new();
     for gain in gains {
         best.resize(best.len().max(gain.null.len()), 0.0_f64);
         for (best, null) in best.iter_mut().zip(&gain.null) {
-            *best = best.max(*null);
+            *best = best.max(*null / gain.luck());
         }
     }
     if best.is_empty() {

@@ -3,6 +3,7 @@
 //! Each equation in turn is given a push that wanders; the one whose push makes the log most likely
 //! is the one that misses something. The push is then laid against everything it might follow.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -116,7 +117,7 @@ pub fn disagreeing(
     let Stage { fit: plain, origin } = before;
     let mut starts = Vec::new();
     for model in [&plain.model, origin] {
-        let mut along = Linearisation::default();
+        let mut along = Cow::Owned(Linearisation::default());
         problem.deviance_along(&mut along, model, noise)?;
         starts.push((model, along));
     }
@@ -124,7 +125,8 @@ pub fn disagreeing(
         .par_iter()
         .flat_map_iter(|walk| starts.iter().map(move |(model, along)| (*walk, *model, along)))
         .map(|(walk, model, along)| {
-            let deviance = problem.pushed(walk).deviance_along(&mut along.clone(), model, noise)?;
+            let along = &mut Cow::Borrowed(&**along);
+            let deviance = problem.pushed(walk).deviance_along(along, model, noise)?;
             Ok((deviance, walk, model))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
@@ -138,7 +140,7 @@ pub fn disagreeing(
     let mut ranked: Vec<_> = best.into_values().collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut fits = ranked
-        .into_iter()
+        .into_par_iter()
         .take(REFITTED)
         .map(|(_, walk, start)| {
             let fit = problem.pushed(walk).fit(origin, start, &plain.coordinates, noise, ROUNDS)?;

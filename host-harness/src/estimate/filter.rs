@@ -6,10 +6,16 @@
 //! least-squares problem with an exact sensitivity by differences. Measurements are taken one
 //! channel after the other, which leaves the innovations uncorrelated between channels as well.
 
+use std::borrow::Cow;
+
 use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
+
+/// Samples over which a speed is taken behind a gap, and how much less is known there than at rest.
+const CATCH: usize = 8;
+const UNKNOWN: f64 = 10.0;
 
 /// A slow, unknown push on one equation of the joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -142,13 +148,13 @@ impl<'a> Observer<'a> {
 
     /// Designs the gains along the record and runs it.
     pub fn design(&self, noise: &Noise, walks: &[Walk]) -> (Gains, Run) {
-        self.design_along(&mut Linearisation::default(), noise, walks)
+        self.design_along(&mut Cow::Owned(Linearisation::default()), noise, walks)
     }
 
     /// The same along a linearisation, which is made if it is empty.
     pub fn design_along(
         &self,
-        along: &mut Linearisation,
+        along: &mut Cow<'_, Linearisation>,
         noise: &Noise,
         walks: &[Walk],
     ) -> (Gains, Run) {
@@ -170,7 +176,7 @@ impl<'a> Observer<'a> {
         for k in 0..samples {
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
-                p = self.start_covariance(walks);
+                p = self.start_covariance(k, walks);
             }
             for channel in Channel::ALL {
                 let c = channel as usize;
@@ -250,22 +256,47 @@ impl<'a> Observer<'a> {
         innovations
     }
 
-    /// The joint at rest where a log begins.
+    /// The joint where a log begins: at rest, or after a gap in the motion that its encoder shows.
     fn start(&self, k: usize, order: usize) -> Vec<f64> {
         let mut x = vec![0.0; order];
         let angle = self.late.measured[k][Channel::Motor as usize];
         if angle.is_finite() {
             x[Layout::ANGLE] = angle;
         }
+        let speed = self.speed_at(k);
+        if speed != 0.0 {
+            for mass in 0..=self.layout.stages {
+                x[self.layout.speed(mass)] = speed;
+                x[self.layout.bristle(mass)] = 0.9 * speed.signum();
+            }
+        }
         x
     }
 
-    fn start_covariance(&self, walks: &[Walk]) -> Vec<f64> {
+    /// Speed that the encoder shows behind a gap, rad/s; zero where a log begins.
+    fn speed_at(&self, k: usize) -> f64 {
+        if !self.record.cuts.contains(&k) {
+            return 0.0;
+        }
+        let last = (k + CATCH).min(self.record.len() - 1);
+        let [here, there] = [k, last].map(|k| self.late.measured[k][Channel::Motor as usize]);
+        let speed = (there - here) / (self.record.time_s[last] - self.record.time_s[k]);
+        if speed.is_finite() { speed } else { 0.0 }
+    }
+
+    fn start_covariance(&self, k: usize, walks: &[Walk]) -> Vec<f64> {
         let sigmas = self.start_sigma.iter().copied().chain(walks.iter().map(|walk| walk.initial));
         let order = self.layout.len() + walks.len();
         let mut p = vec![0.0; order * order];
         for (k, sigma) in sigmas.enumerate() {
             p[k * order + k] = sigma * sigma;
+        }
+        if self.record.cuts.contains(&k) {
+            // Nothing but the encoder is known of a joint in motion.
+            let n = self.layout.len();
+            for j in (0..n).filter(|j| *j != Layout::ANGLE) {
+                p[j * order + j] *= UNKNOWN * UNKNOWN;
+            }
         }
         p
     }
@@ -360,13 +391,14 @@ impl<'a> Observer<'a> {
         k: usize,
         x: &[f64],
         walks: &[Walk],
-        along: &mut Linearisation,
+        along: &mut Cow<'_, Linearisation>,
         scratch: &mut Scratch,
     ) {
         let n = self.layout.len();
         if along.drive.len() >= (k + 1) * n {
             return;
         }
+        let along = along.to_mut();
         let base = scratch.moved(x);
         self.advance(k, base, walks);
         let next = base[..n].to_vec();
@@ -434,10 +466,12 @@ impl<'a> Observer<'a> {
         self.advance(k, x, walks);
         // P <- F P F' + Q
         let half = &mut scratch.half;
-        for i in 0..order {
-            for j in 0..order {
-                half[i * order + j] =
-                    (0..order).map(|m| f[i * order + m] * p[m * order + j]).sum::<f64>();
+        half.fill(0.0);
+        for (f, half) in f.chunks_exact(order).zip(half.chunks_exact_mut(order)) {
+            for (f, p) in f.iter().zip(p.chunks_exact(order)).filter(|(f, _)| **f != 0.0) {
+                for (half, p) in half.iter_mut().zip(p) {
+                    *half += f * p;
+                }
             }
         }
         for i in 0..order {

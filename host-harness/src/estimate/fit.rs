@@ -1,10 +1,12 @@
 //! Refitting: the parameters, and optionally some effects, that make the whitened innovations
 //! smallest, with a prior on each.
 //!
-//! Gauss–Newton with Levenberg's damping on frozen gains; the gains are designed anew at every
-//! accepted point. The first rounds trust the model little (large process noise), so that a model
-//! wrong by per cents is pulled in by every sample on its own; the last ones use the noise that the
-//! record itself shows.
+//! Gauss–Newton with Levenberg's damping on frozen gains; gains and derivatives are taken anew when
+//! the model has moved, and corrected by what each step shows in between. The first rounds trust the
+//! model little (large process noise), so that a model wrong by per cents is pulled in by every
+//! sample on its own; the last ones use the noise that the record itself shows.
+
+use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -12,8 +14,14 @@ use rayon::prelude::*;
 use super::coordinates::Coordinate;
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::record::{CHANNELS, Channel, Record};
+use crate::interrupt;
 use crate::model::Model;
 use crate::plant::{BuildError, plant};
+
+/// How far a coordinate may move, in its own unit, before gains and derivatives are taken anew for
+/// the last refinement, and before derivatives are in any case.
+const NEAR: f64 = 0.02;
+const FAR: f64 = 0.2;
 
 /// A model fitted to a record.
 #[derive(Clone, Debug)]
@@ -32,8 +40,6 @@ pub struct Fit {
     pub deviance: f64,
     /// Sum of the squared distances from the priors, in sigmas.
     pub prior: f64,
-    /// Inverse of the posterior's curvature: covariance of the coordinates.
-    pub covariance: DMatrix<f64>,
 }
 
 /// A record, and the part of it that is fitted to.
@@ -96,7 +102,7 @@ impl<'a> Problem<'a> {
     /// The model cannot be built.
     pub fn deviance_along(
         &self,
-        along: &mut Linearisation,
+        along: &mut Cow<'_, Linearisation>,
         model: &Model,
         noise: &Noise,
     ) -> Result<f64, BuildError> {
@@ -189,79 +195,127 @@ impl<'a> Problem<'a> {
     ) -> Result<Fit, BuildError> {
         let (mut gains, mut innovations, mut deviance) = self.design(start, noise)?;
         let mut model = start.clone();
-        let precision = DVector::from_iterator(
-            coordinates.len(),
-            coordinates.iter().map(|c| c.prior_sigma().powi(-2)),
-        );
-        let offset = |model: &Model| {
-            DVector::from_iterator(
-                coordinates.len(),
-                coordinates.iter().map(|c| c.distance(origin, model)),
-            )
-        };
+        let precision = precision(coordinates);
+        let offset = |model: &Model| offset(coordinates, origin, model);
+        let prior = |at: &DVector<f64>| at.component_mul(at).component_mul(&precision).sum();
         let mut damping = 1e-3;
-        let mut curvature = DMatrix::from_diagonal(&precision);
-        for round in 0..=rounds {
+        let mut derivative: Option<Derivative> = None;
+        let (mut taken, mut stale) = (0, 0.0);
+        loop {
             let residual = self.residual(&innovations);
-            let here = (round < rounds).then_some(&residual);
-            let jacobian = self.sensitivity(&model, &gains, coordinates, here);
+            let own = match &mut derivative {
+                Some(own) => own,
+                None if taken == rounds || interrupt::asked() => break,
+                None => {
+                    taken += 1;
+                    let jacobian = self.sensitivity(&model, &gains, coordinates, Some(&residual));
+                    derivative.insert(Derivative { jacobian, moved: 0.0 })
+                }
+            };
             let at = offset(&model);
-            let gradient = jacobian.tr_mul(&residual) + precision.component_mul(&at);
-            let plain = jacobian.tr_mul(&jacobian);
-            curvature = &plain + DMatrix::from_diagonal(&precision);
-            if round == rounds {
-                break;
-            }
-            let before = self.sum_of_squares(&innovations)
-                + at.component_mul(&at).component_mul(&precision).sum();
-            let mut gained = 0.0;
-            for _ in 0..6 {
+            let gradient = own.jacobian.tr_mul(&residual) + precision.component_mul(&at);
+            let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
+            let before = self.sum_of_squares(&innovations) + prior(&at);
+            let attempts = if own.moved == 0.0 { 6 } else { 1 };
+            let mut gained = None;
+            for _ in 0..attempts {
                 let mut damped = curvature.clone();
                 for k in 0..coordinates.len() {
                     damped[(k, k)] += damping * curvature[(k, k)];
                 }
                 let Some(step) = damped.cholesky().map(|c| -c.solve(&gradient)) else { break };
+                let step = DVector::from_iterator(
+                    coordinates.len(),
+                    coordinates.iter().zip(step.iter()).map(|(c, step)| c.limited(*step)),
+                );
                 let mut moved = model.clone();
                 for (coordinate, step) in coordinates.iter().zip(step.iter()) {
-                    coordinate.shift(&mut moved, coordinate.limited(*step));
+                    coordinate.shift(&mut moved, *step);
                 }
-                let after = match self.innovations(&moved, &gains) {
-                    Ok(rows) => {
-                        let at = offset(&moved);
-                        self.sum_of_squares(&rows)
-                            + at.component_mul(&at).component_mul(&precision).sum()
-                    }
-                    Err(_) => f64::INFINITY,
+                let rows = self.innovations(&moved, &gains).unwrap_or_default();
+                let after = match rows.is_empty() {
+                    true => f64::INFINITY,
+                    false => self.sum_of_squares(&rows) + prior(&offset(&moved)),
                 };
                 if after < before {
-                    model = moved;
-                    gained = before - after;
+                    let promised = -(2.0 * gradient.dot(&step) + step.dot(&(&curvature * &step)));
+                    own.turn(&step, &(self.residual(&rows) - &residual));
+                    (model, innovations) = (moved, rows);
+                    stale += step.amax();
                     damping = (damping * 0.1).max(1e-9);
+                    gained = Some((before - after, promised));
                     break;
                 }
                 damping *= 10.0;
             }
-            if gained > 0.0 {
-                (gains, innovations, deviance) = self.design(&model, noise)?;
+            let fresh = own.moved == 0.0;
+            match gained {
+                None if fresh => break,
+                None => derivative = None,
+                Some((gained, promised)) => {
+                    if gained < 0.3 && own.moved < NEAR {
+                        break;
+                    }
+                    if gained < 0.3 || gained < 0.5 * promised || own.moved > FAR {
+                        derivative = None;
+                    }
+                }
             }
-            if gained < 0.3 {
-                break;
+            if stale > NEAR {
+                (gains, innovations, deviance) = self.design(&model, noise)?;
+                stale = 0.0;
             }
         }
+        if stale > 0.0 {
+            (gains, innovations, deviance) = self.design(&model, noise)?;
+        }
         let at = offset(&model);
-        let covariance = curvature
-            .clone()
-            .cholesky()
-            .map_or_else(|| DMatrix::zeros(coordinates.len(), coordinates.len()), |c| c.inverse());
         Ok(Fit {
-            prior: at.component_mul(&at).component_mul(&precision).sum(),
+            prior: prior(&at),
             model,
             coordinates: coordinates.to_vec(),
             noise: *noise,
             gains,
             innovations,
             deviance,
-            covariance,
         })
     }
+
+    /// Inverse of the posterior's curvature at a fit: covariance of its coordinates.
+    pub fn covariance(&self, fit: &Fit) -> DMatrix<f64> {
+        let jacobian = self.sensitivity(&fit.model, &fit.gains, &fit.coordinates, None);
+        let curvature =
+            jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision(&fit.coordinates));
+        let count = fit.coordinates.len();
+        curvature.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse())
+    }
+}
+
+/// How the residual changes with the coordinates, and how far the model has moved since this was
+/// measured.
+struct Derivative {
+    jacobian: DMatrix<f64>,
+    moved: f64,
+}
+
+impl Derivative {
+    /// Broyden's correction: what a step has shown of the change along it.
+    fn turn(&mut self, step: &DVector<f64>, change: &DVector<f64>) {
+        let length = step.norm_squared();
+        if length > 0.0 {
+            let missed = change - &self.jacobian * step;
+            self.jacobian.ger(1.0 / length, &missed, step, 1.0);
+        }
+        self.moved += step.amax().max(f64::MIN_POSITIVE);
+    }
+}
+
+fn precision(coordinates: &[Coordinate]) -> DVector<f64> {
+    let precision = coordinates.iter().map(|c| c.prior_sigma().powi(-2));
+    DVector::from_iterator(coordinates.len(), precision)
+}
+
+fn offset(coordinates: &[Coordinate], origin: &Model, model: &Model) -> DVector<f64> {
+    let distance = coordinates.iter().map(|c| c.distance(origin, model));
+    DVector::from_iterator(coordinates.len(), distance)
 }

@@ -35,7 +35,7 @@ impl<'a> Late<'a> {
         if !model.effects.iter().any(|effect| effect.kind == Kind::SensorDelay) {
             return late;
         }
-        let interval = typical_interval(record);
+        let interval = record.grid.typical_interval();
         for (channel, encoder) in
             [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
         {
@@ -60,14 +60,4 @@ fn shift(measured: &mut [[f64; CHANNELS]], record: &Record, c: usize, samples: i
             row[c] = from.map_or(f64::NAN, |from| record.measured[from][c]);
         }
     }
-}
-
-/// Median interval, s.
-fn typical_interval(record: &Record) -> f64 {
-    let mut intervals: Vec<f64> = record.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = intervals.len() / 2;
-    if intervals.is_empty() {
-        return 1.0;
-    }
-    *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
 }

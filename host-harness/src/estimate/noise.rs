@@ -5,9 +5,12 @@
 //! voltage, a friction torque that scatters by some 3 % of its breakaway level. The expectation
 //! keeps a missing effect from being declared noise.
 
+use std::borrow::Cow;
+
 use super::filter::{Linearisation, Noise};
 use super::fit::Problem;
 use super::record::{CHANNELS, Channel, Record};
+use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
@@ -64,9 +67,10 @@ pub fn refine(
             knobs.push(Knob { which: 2 + channel as usize, expected, spread: 3.0 });
         }
     }
-    let mut along = Linearisation::default();
-    let mut cost = |noise: &Noise| -> Result<f64, BuildError> {
-        let deviance = problem.deviance_along(&mut along, model, noise)?;
+    let mut along = Cow::Owned(Linearisation::default());
+    problem.deviance_along(&mut along, model, start)?;
+    let cost = |noise: &Noise| -> Result<f64, BuildError> {
+        let deviance = problem.deviance_along(&mut Cow::Borrowed(&*along), model, noise)?;
         let prior: f64 = knobs
             .iter()
             .map(|knob| ((get(noise, knob.which).ln() - knob.expected) / knob.spread).powi(2))
@@ -77,6 +81,9 @@ pub fn refine(
     let mut best = cost(&noise)?;
     let mut stride = 0.8;
     for _ in 0..8 {
+        if interrupt::asked() {
+            break;
+        }
         let mut farthest = 0.0_f64;
         for knob in &knobs {
             let here = get(&noise, knob.which).ln();
@@ -85,7 +92,8 @@ pub fn refine(
                 set(&mut moved, knob.which, (here + shift).exp());
                 moved
             };
-            let (high, low) = (cost(&moved(stride))?, cost(&moved(-stride))?);
+            let (high, low) = rayon::join(|| cost(&moved(stride)), || cost(&moved(-stride)));
+            let (high, low) = (high?, low?);
             // The parabola through three points, kept within twice the stride.
             let bend = high + low - 2.0 * best;
             let mut shift = if high < low { 2.0 * stride } else { -2.0 * stride };

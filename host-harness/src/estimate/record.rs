@@ -4,7 +4,7 @@ use joint_core::joint::Drive;
 
 use crate::log::Log;
 use crate::model::Model;
-use crate::plant::Grid;
+use crate::plant::{GAP, Grid};
 
 /// The measured channels, in the order of the residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -49,9 +49,14 @@ pub struct Record {
     pub measured: Vec<[f64; CHANNELS]>,
     /// The intervals.
     pub grid: Grid,
-    /// Samples at which a log begins: the joint is at rest, its state unknown.
+    /// Samples at which a log begins, or goes on after a gap.
     pub starts: Vec<usize>,
+    /// Those of them before which something was cut out: the joint may be in motion there.
+    pub cuts: Vec<usize>,
 }
+
+/// Stretches into which a record too long is thinned.
+const STRETCHES: usize = 4;
 
 /// Why logs cannot be put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -82,7 +87,9 @@ impl Record {
             let gap = whole.grid.interval(whole.len());
             let shift = whole.time_s.last().copied().unwrap_or(0.0) + gap
                 - part.time_s.first().copied().unwrap_or(0.0);
-            whole.starts.push(whole.len());
+            let before = whole.len();
+            whole.starts.extend(part.starts.iter().map(|start| start + before));
+            whole.cuts.extend(part.cuts.iter().map(|cut| cut + before));
             whole.time_s.extend(part.time_s.iter().map(|t| t + shift));
             whole.drive_values.extend(part.drive_values);
             whole.load_nm.extend(part.load_nm);
@@ -110,14 +117,56 @@ impl Record {
                 [current, log.motor_angle_rad[k], at(&log.output_angle_rad, k)]
             })
             .collect();
+        let grid = Grid::new(&log.time_s, micro_steps);
+        let gap = GAP * grid.typical_interval();
+        let cuts: Vec<usize> =
+            (1..n).filter(|k| log.time_s[*k] - log.time_s[k - 1] > gap).collect();
+        let starts = std::iter::once(0).chain(cuts.iter().copied()).collect();
         Self {
             time_s: log.time_s.clone(),
             drive,
             drive_values: held(values),
             load_nm: held(log.load_torque_nm.clone().unwrap_or_else(|| vec![0.0; n])),
             measured,
-            grid: Grid::new(&log.time_s, micro_steps),
-            starts: vec![0],
+            grid,
+            starts,
+            cuts,
+        }
+    }
+
+    /// A record of at most so many samples: whole if it is short enough, else stretches spread evenly
+    /// over it.
+    pub fn thinned(self, most: usize) -> Self {
+        let samples = self.len();
+        if samples <= most {
+            return self;
+        }
+        let length = most / STRETCHES;
+        let first = |number: usize| number * (samples - length) / (STRETCHES - 1);
+        let kept: Vec<usize> =
+            (0..STRETCHES).flat_map(|number| first(number)..first(number) + length).collect();
+        let mut starts: Vec<usize> = (0..STRETCHES).map(|number| number * length).collect();
+        let mut cuts = starts[1..].to_vec();
+        for (place, sample) in kept.iter().enumerate() {
+            if self.starts.contains(sample) && !starts.contains(&place) {
+                starts.push(place);
+            }
+            if self.cuts.contains(sample) && !cuts.contains(&place) {
+                cuts.push(place);
+            }
+        }
+        starts.sort_unstable();
+        let of = |values: &[f64]| kept.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+        let time_s = of(&self.time_s);
+        Self {
+            grid: Grid::new(&time_s, None),
+            time_s,
+            drive: self.drive,
+            drive_values: of(&self.drive_values),
+            load_nm: of(&self.load_nm),
+            measured: kept.iter().map(|k| self.measured[*k]).collect(),
+            starts,
+            cuts,
         }
     }
 

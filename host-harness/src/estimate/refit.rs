@@ -4,6 +4,8 @@
 //! from there a local search slides into a wrong valley; so the springs are tried stiffer and
 //! softer first, with a filter that trusts the model little. The rest follows by itself.
 
+use rayon::prelude::*;
+
 use super::coordinates::Coordinate;
 use super::filter::Noise;
 use super::fit::{Fit, Problem};
@@ -55,13 +57,16 @@ pub fn resettle(
         let from = best.model.clone();
         let spring = Quantity::Stiffness(stage);
         let here = spring.distance(origin, &from);
-        for trial in [-SPRING_TRIAL, 0.0, SPRING_TRIAL] {
-            if (trial - here).abs() < SPRING_TRIAL / 2.0 {
-                continue;
-            }
-            let mut start = from.clone();
-            spring.shift(&mut start, trial - here);
-            let fit = problem.fit(origin, &start, coordinates, &wide, 3)?;
+        let trials = [-SPRING_TRIAL, 0.0, SPRING_TRIAL].into_par_iter();
+        let fits = trials
+            .filter(|trial| (trial - here).abs() >= SPRING_TRIAL / 2.0)
+            .map(|trial| {
+                let mut start = from.clone();
+                spring.shift(&mut start, trial - here);
+                problem.fit(origin, &start, coordinates, &wide, 3)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        for fit in fits {
             if cost(&fit) < cost(&best) {
                 best = fit;
             }

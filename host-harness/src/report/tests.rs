@@ -82,6 +82,7 @@ fn findings(samples: usize) -> Findings {
             before: 9.0,
             after: 1.0,
         }],
+        experiment: None,
         time_s,
     }
 }

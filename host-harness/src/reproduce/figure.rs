@@ -8,7 +8,7 @@ use crate::report::text::escape;
 
 const WIDTH: f64 = 760.0;
 const LEFT: f64 = 78.0;
-const RIGHT: f64 = 16.0;
+const RIGHT: f64 = 30.0;
 const TOP: f64 = 26.0;
 const HEIGHT: f64 = 220.0;
 const BOTTOM: f64 = 44.0;

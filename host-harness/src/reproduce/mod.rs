@@ -13,7 +13,9 @@ pub mod numbers;
 mod pages;
 pub mod prescribed;
 pub mod scene;
+pub mod systems;
 pub mod trace;
+pub mod why;
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
@@ -29,11 +31,14 @@ use commutation::Commutation;
 use numbers::Number;
 use scene::Scene;
 use trace::Trace;
+use why::Why;
 
 pub use pages::{figures, page};
 
 /// Coefficient of the load-dependent friction that gives the catalogue's gear efficiency.
 const MESH_FRICTION: f64 = 0.22;
+/// Middle of the catalogue's gear efficiency, as the paper gives it.
+const CATALOGUE_GEAR: f64 = 0.525;
 /// Voltage of the friction's share over k_t: the speed that it would give without, rad/s.
 const FREE_SPEED: f64 = 500.0;
 
@@ -77,6 +82,10 @@ pub struct Runs {
     pub friction_loss: f64,
     /// Ratio of the gear.
     pub ratio: f64,
+    /// Ratios of the other joints, by the name of their file.
+    pub ratios: Vec<(&'static str, f64)>,
+    /// What stands behind the rows that disagree.
+    pub why: Why,
     /// The six-step motor beside its DC equivalent.
     pub commutation: Commutation,
     /// Modes of one full planetary stage.
@@ -127,7 +136,9 @@ pub fn run(model: &Model, done: impl Fn() + Sync) -> Result<Runs, String> {
         claim,
         efficiency: Efficiency::default(),
         friction_loss: friction_loss(model)?,
-        ratio: model.stages.iter().map(|stage| stage.reduction).product(),
+        ratio: systems::ratio(model),
+        ratios: systems::built_in()?.iter().map(|(f, model)| (*f, systems::ratio(model))).collect(),
+        why: Why::default(),
         commutation: commutation::run(model, COMMUTATED_V)?,
         modes: planetary::modes(&Gear::micro()),
         reduction: planetary::reduction(&Gear::micro(), model, Soft::Shafts)
@@ -145,6 +156,7 @@ pub fn run(model: &Model, done: impl Fn() + Sync) -> Result<Runs, String> {
     let trace = traced(&meshing, &amplifier, scene, true)?;
     let (_, loaded) = efficiency(&meshing, &trace);
     runs.efficiency = Efficiency { motor, gear, loaded };
+    runs.why = why::measure(model, gear, CATALOGUE_GEAR)?;
     Ok(runs)
 }
 

@@ -12,6 +12,7 @@ const LEVELS: [&str; 3] = ["motor", "1st stage", "2nd stage"];
 const TIME: &str = "t, s";
 const SPEED: &str = "speed at the motor, rad/s";
 const ANGLE: &str = "angle at the motor, rad";
+const DIFFERENCE: &str = "motor less 2nd stage, rad";
 
 /// A picture: its file's name, what it shows, and the drawing.
 pub(super) type Figure = (String, String, String);
@@ -125,7 +126,7 @@ fn angles(trace: &Trace, title: &str, window: Option<[f64; 2]>) -> Panel {
 
 fn windup(trace: &Trace) -> Panel {
     let lines = vec![line(trace, "motor less 2nd stage", &trace.windup())];
-    panel("difference of the angles", ANGLE, None, lines)
+    panel("difference of the angles, at the motor", DIFFERENCE, None, lines)
 }
 
 fn normalised(trace: &Trace, title: &str, window: Option<[f64; 2]>) -> Panel {
@@ -146,16 +147,22 @@ fn commutation(runs: &Runs) -> Vec<Panel> {
     let [three, one] = &found.speed;
     let magnified = found.time_s.first().map(|start| [*start, start + 4e-4]);
     vec![
-        panel("phase currents", "A", None, vec![line("a", a), line("b", b), line("c", c)]),
+        panel("phase currents", "current, A", None, vec![line("a", a), line("b", b), line("c", c)]),
         panel(
             "torque over k_t",
-            "A",
+            "current, A",
             magnified,
             vec![line("three phases", &found.torque_a), line("DC equivalent", &found.equivalent_a)],
         ),
         panel(
+            "where they differ: torque of three phases less that of (10), over it",
+            "share",
+            None,
+            vec![line("difference", &found.difference())],
+        ),
+        panel(
             "speed",
-            "rad/s",
+            "speed, rad/s",
             None,
             vec![line("three phases", three), line("DC equivalent", one)],
         ),

@@ -32,6 +32,18 @@ impl Moved<'_> {
 /// # Errors
 /// A model that the equations cannot take.
 pub fn run(model: &Model, scene: &Scene) -> Result<Trace, ReferenceError> {
+    watched(model, scene, |_, _| ())
+}
+
+/// The same, with every step's time and state shown, the reference's state vector.
+///
+/// # Errors
+/// As [`run`].
+pub fn watched(
+    model: &Model,
+    scene: &Scene,
+    mut each: impl FnMut(f64, &[f64]),
+) -> Result<Trace, ReferenceError> {
     let equations = Equations::new(model, Drive::Current, 2.0)?;
     let layout = equations.layout();
     let mut state = equations.rest();
@@ -48,6 +60,8 @@ pub fn run(model: &Model, scene: &Scene) -> Result<Trace, ReferenceError> {
         record(&mut trace, scene, start, &state, layout);
         for step in 0..steps {
             let t = start + step as f64 * h;
+            state[layout.speed(0)] = scene.speed.at(t).0;
+            each(t, &state);
             let [first, second, third] = &mut rates;
             moved.rates(t, &mut state, first);
             for ((new, old), rate) in stage.iter_mut().zip(&state).zip(&*first) {

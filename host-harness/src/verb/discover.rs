@@ -6,13 +6,15 @@ use std::path::PathBuf;
 use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::discover::findings::{Answer, Findings};
 use crate::discover::{DiscoverError, STEPS, discover};
+use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
 use crate::report;
 
 /// Find, name and add what a model misses in logs of the joint
 ///
-/// Writes `verdict.json`, `model.toml`, `report.html` and `residuals.csv`.
+/// Writes `verdict.json`, `model.toml`, `report.html`, `residuals.csv`, and `next_experiment.csv`
+/// where another run would decide. An interrupt concludes from what is known by then.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint discover --model arm.toml --log arm.csv --out found")]
@@ -38,6 +40,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         args.log.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
     let out = OutDir::new(&args.out, common.force)?;
     let bar = common.progress(STEPS, "discover");
+    interrupt::watch();
     let findings = discover(&model, &logs, &bar).map_err(failure)?;
     bar.finish_and_clear();
     write(&out, &findings)?;
@@ -53,13 +56,16 @@ pub(super) fn failure(error: DiscoverError) -> Failure {
     Failure::input(error.to_string())
 }
 
-/// Writes the four files of a discovery.
+/// Writes the files of a discovery.
 pub(super) fn write(out: &OutDir, findings: &Findings) -> Result<(), Failure> {
     let verdict = serde_json::to_string_pretty(&findings.verdict)
         .map_err(|error| Failure::check(error.to_string()))?;
     out.write("model.toml", findings.improved.to_toml())?;
     out.write("residuals.csv", report::residuals_csv(findings))?;
     out.write("report.html", report::html(findings))?;
+    if let Some(experiment) = &findings.experiment {
+        out.write("next_experiment.csv", experiment.csv())?;
+    }
     out.write("verdict.json", verdict)?;
     Ok(())
 }

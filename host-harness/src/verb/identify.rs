@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use nalgebra::DMatrix;
 use serde_json::{Map, json};
 
 use super::{Common, Failure, Outcome, read_log, read_model};
@@ -51,12 +52,13 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let problem = Problem::new(&record, &mask);
     let fit = refit::refit(&problem, &model).map_err(|error| Failure::input(error.to_string()))?;
     bar.finish_and_clear();
-    let json = result(&model, &fit);
+    let rows = rows(&model, &fit, &problem.covariance(&fit));
+    let json = result(rows.as_slice(), &fit);
     let pretty =
         serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
     out.write("model.toml", fit.model.to_toml())?;
     out.write("identify.json", pretty)?;
-    let text = format!("{}model: {}", table(&model, &fit), out.path().join("model.toml").display());
+    let text = format!("{}model: {}", table(&rows), out.path().join("model.toml").display());
     Ok(Outcome::done(json, text))
 }
 
@@ -68,13 +70,13 @@ struct Row {
     determined: bool,
 }
 
-fn rows(nominal: &Model, fit: &Fit) -> Vec<Row> {
+fn rows(nominal: &Model, fit: &Fit, covariance: &DMatrix<f64>) -> Vec<Row> {
     let parameters = fit.coordinates.iter().enumerate();
     parameters
         .filter_map(|(k, coordinate)| {
             let Coordinate::Parameter(quantity) = coordinate else { return None };
             let value = quantity.get(&fit.model);
-            let sigma = fit.covariance[(k, k)].sqrt();
+            let sigma = covariance[(k, k)].sqrt();
             Some(Row {
                 key: quantity.key(),
                 nominal: quantity.get(nominal),
@@ -86,8 +88,7 @@ fn rows(nominal: &Model, fit: &Fit) -> Vec<Row> {
         .collect()
 }
 
-fn result(nominal: &Model, fit: &Fit) -> serde_json::Value {
-    let rows = rows(nominal, fit);
+fn result(rows: &[Row], fit: &Fit) -> serde_json::Value {
     let parameters: Map<_, _> = rows
         .iter()
         .map(|row| {
@@ -114,10 +115,10 @@ fn result(nominal: &Model, fit: &Fit) -> serde_json::Value {
     })
 }
 
-fn table(nominal: &Model, fit: &Fit) -> String {
+fn table(rows: &[Row]) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{:44} {:>12} {:>12} {:>10}", "parameter", "nominal", "refitted", "±");
-    for row in rows(nominal, fit) {
+    for row in rows {
         let note = if row.determined { "" } else { "  not determined by this log" };
         let _ = writeln!(
             text,

@@ -1,0 +1,22 @@
+//! Stopping early without losing what was found: the first interrupt asks the search to conclude,
+//! the second quits.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Turns interrupts into a request from now on.
+pub fn watch() {
+    // A handler that is there already, or a system without any, leaves interrupts as they are.
+    let _ = ctrlc::set_handler(|| {
+        if ASKED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        eprintln!("concluding from what is known so far; interrupt again to quit at once");
+    });
+}
+
+/// Whether the user asked to stop.
+pub fn asked() -> bool {
+    ASKED.load(Ordering::Relaxed)
+}
