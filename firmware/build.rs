@@ -6,8 +6,10 @@ fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
-    println!("cargo:rustc-link-arg-bins=--nmagic");
-    println!("cargo:rustc-link-arg-bins=-Tlink.x");
+    for of in ["bins", "examples"] {
+        println!("cargo:rustc-link-arg-{of}=--nmagic");
+        println!("cargo:rustc-link-arg-{of}=-Tlink.x");
+    }
     if std::env::var_os("CARGO_FEATURE_DRIVE").is_some() {
         println!("cargo:rustc-link-arg-bin=drive=-Tdefmt.x");
     }

@@ -47,6 +47,7 @@ verbs! {
     Score => score,
     Demo => demo,
     Export => export,
+    Flash => flash,
     Monitor => monitor,
     Capture => capture,
 }

@@ -5,6 +5,9 @@
 //! a timer and a converter would give them, and frames go to a file. The parameters are read from
 //! the flash page, where the emulator has put them or nothing. Bytes of the command file are frames
 //! whose sequence number is the sample before which the command is to act.
+//!
+//! `tick_instructions` is the most that a control period took in this run, from the sample to the
+//! message in its queue, by QEMU's count on netduinoplus2; other boards do not count.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -16,12 +19,12 @@ mod on_board {
     use cortex_m::peripheral::SCB;
     use cortex_m::peripheral::syst::SystClkSource;
     use critical_section::Mutex;
-    use firmware::board::{self, Access, Failure, Sink};
+    use firmware::board::{self, Access, Failure, InstructionCounter, Sink};
     use firmware::link::{self, Commands, Link, Messages};
     use firmware::session::Session;
     use heapless::mpmc::Queue;
     use joint_core::telemetry::frame::{MAX_FRAME, Reader};
-    use joint_core::telemetry::{Message, Sample, Status};
+    use joint_core::telemetry::{Command, Message, Sample, Status};
     use semihosting::println;
 
     /// Samples that the plant is ahead of the interrupt.
@@ -31,8 +34,15 @@ mod on_board {
     /// its 168 MHz, and more than a control period takes.
     const PERIOD: u32 = 8_400;
 
+    struct Owned {
+        session: &'static mut Session,
+        counter: Option<InstructionCounter>,
+        /// Most instructions of a control period.
+        most: u32,
+    }
+
     /// What the interrupt owns.
-    static SESSION: Mutex<RefCell<Option<&'static mut Session>>> = Mutex::new(RefCell::new(None));
+    static SESSION: Mutex<RefCell<Option<Owned>>> = Mutex::new(RefCell::new(None));
     #[expect(deprecated)] // As in `link`: what fails is tried again.
     static PLANT: Queue<Sample, AHEAD> = Queue::new();
     static COMMANDS: Commands = link::commands();
@@ -42,16 +52,26 @@ mod on_board {
     #[cortex_m_rt::exception]
     fn SysTick() {
         critical_section::with(|cs| {
-            let mut session = SESSION.borrow_ref_mut(cs);
-            let Some(session) = session.as_mut() else { return };
+            let mut owned = SESSION.borrow_ref_mut(cs);
+            let Some(Owned { session, counter, most }) = owned.as_mut() else { return };
             // The converter is done when the plant has a sample.
             let Some(sample) = PLANT.dequeue() else { return };
             while let Some(command) = COMMANDS.dequeue() {
                 session.command(command);
             }
-            session.tick(sample, 0, Status::default(), &MESSAGES);
+            let mut tick = || period(session, sample);
+            match counter {
+                Some(counter) => *most = (*most).max(counter.measure(tick).1),
+                None => tick(),
+            }
             PERIODS.fetch_add(1, Ordering::Relaxed);
         });
+    }
+
+    /// A control period, with a stack frame of its own wherever it is called from.
+    #[inline(never)]
+    fn period(session: &mut Session, sample: Sample) {
+        session.tick(sample, 0, Status::default(), &MESSAGES);
     }
 
     #[cortex_m_rt::entry]
@@ -75,18 +95,35 @@ mod on_board {
         println!("start_stack_bytes={}", board::stack_used());
         let bytes = board::stack_of(|| {
             let sample = core::hint::black_box(Sample::default());
-            session.tick(sample, 0, Status::default(), &MESSAGES);
+            period(session, sample);
         });
         println!("tick_stack_bytes={bytes}");
         while MESSAGES.dequeue().is_some() {}
+        if !cfg!(feature = "mps2") {
+            session.command(Command::Rate(1));
+            period(session, Sample::default());
+            println!("frame_instructions={}", frame_instructions());
+        }
         // Again from rest, as if it had not been.
         session.start(board::parameter_page())?;
         Ok(session)
     }
 
+    /// Of making the frame of the report that waits, which the main program does outside of the
+    /// interrupt.
+    #[inline(never)]
+    fn frame_instructions() -> u32 {
+        let mut link = Link::default();
+        let counter = InstructionCounter::start();
+        counter.measure(|| link.send(&MESSAGES, |frame| !core::hint::black_box(frame).is_empty())).1
+    }
+
     #[inline(never)]
     fn run(session: &'static mut Session) -> Result<(), Failure> {
-        critical_section::with(|cs| SESSION.borrow_ref_mut(cs).replace(session));
+        // The counter is a timer of the STM32; elsewhere its address is another's.
+        let counter = (!cfg!(feature = "mps2")).then(InstructionCounter::start);
+        let owned = Owned { session, counter, most: 0 };
+        critical_section::with(|cs| SESSION.borrow_ref_mut(cs).replace(owned));
 
         let Some(mut core) = cortex_m::Peripherals::take() else {
             return Err(Failure::Argument("peripherals"));
@@ -134,6 +171,9 @@ mod on_board {
         while send(&mut link, &mut frames)? {}
         frames.flush()?;
         println!("samples={fed}");
+        let most =
+            critical_section::with(|cs| SESSION.borrow_ref(cs).as_ref().map_or(0, |own| own.most));
+        println!("tick_instructions={most}");
         println!("frames_crc32={:08x}", frames.checksum());
         Ok(())
     }

@@ -5,6 +5,8 @@
 //! cannot express is said in the file and not left out in silence.
 
 pub mod block;
+pub mod fmu;
+pub mod mjcf;
 pub mod rust;
 
 use joint_core::joint::Drive;
@@ -41,6 +43,9 @@ pub enum ExportError {
     /// The parameters do not fit into a flash page.
     #[error("the parameters do not fit into a flash page of {room} bytes: leave effects out", room = firmware::block::PAGE_BYTES)]
     Room,
+    /// There is no shared library for an FMU.
+    #[error("{0}")]
+    Library(String),
 }
 
 /// The model's name as an identifier, for files that need one.

@@ -4,6 +4,12 @@
 //! holds it from yesterday; so everything but the probe itself works on streams, and is tested on
 //! those that the emulated drive has written.
 
+#[cfg(feature = "probe")]
+pub mod board;
+pub mod chip;
 pub mod recording;
+pub mod wire;
 
+pub use chip::Chip;
 pub use recording::Recording;
+pub use wire::Wire;

@@ -3,6 +3,8 @@
 //! The firmware is built, run in QEMU where instructions are counted exactly, and its ELF files are
 //! measured; `budgets.toml` in the workspace's root holds the limits.
 
+mod period;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
@@ -59,6 +61,15 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         let mark = if holds { "" } else { "  PAST ITS BUDGET" };
         let _ = writeln!(text, "{name:<34} {shown:>9} {limit:>9}{mark}");
     }
+    if let Some(tick) = measured.get("tick_f32_instructions") {
+        let frame = measured.get("frame_instructions").copied().unwrap_or(0);
+        let [tick, both] = [*tick, tick + frame].map(|count| 100.0 * period::share(count));
+        let _ = writeln!(
+            text,
+            "the control interrupt is {tick:.0} % of a period at 20 kHz and 170 MHz, {both:.0} % with \
+             a report's frame in every one, were an instruction a cycle"
+        );
+    }
     let json = json!(measured);
     Ok(Outcome { json, text: text.trim_end().to_owned(), passed })
 }
@@ -77,15 +88,35 @@ fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
         Some(folder) => root.join(folder).join("qemu"),
         None => root.join("target/qemu"),
     };
-    build(root, &target, HARD, &["--bin", "count", "--bin", "replay"])?;
+    build(root, &target, HARD, &["--bin", "count", "--bin", "replay", "--bin", "hil"])?;
     build(root, &target, SOFT, &["--bin", "count_fixed"])?;
     let elf = |triple: &str, program: &str| target.join(triple).join("release").join(program);
     let folder = tempfile::tempdir().map_err(|error| Failure::check(error.to_string()))?;
-    fs::write(folder.path().join("joint.bin"), fixed_block()?)
-        .map_err(|error| Failure::check(error.to_string()))?;
-    let mut rows = values(&emulate(&elf(HARD, "count"), folder.path(), "count")?);
-    let fixed = emulate(&elf(SOFT, "count_fixed"), folder.path(), "count_fixed,arg=joint.bin")?;
-    rows.extend(values(&fixed));
+    let files = [
+        ("joint.bin", fixed_block()?),
+        ("page.bin", period::parameters()?),
+        ("samples.bin", period::samples()?),
+        ("commands.bin", Vec::new()),
+    ];
+    for (name, contents) in files {
+        fs::write(folder.path().join(name), contents)
+            .map_err(|error| Failure::check(error.to_string()))?;
+    }
+    let mut rows = values(&emulate(&elf(HARD, "count"), folder.path(), "count", false)?);
+    let arguments = "count_fixed,arg=joint.bin";
+    rows.extend(values(&emulate(&elf(SOFT, "count_fixed"), folder.path(), arguments, false)?));
+    let arguments = "hil,arg=samples.bin,arg=commands.bin,arg=frames.bin";
+    let said = emulate(&elf(HARD, "hil"), folder.path(), arguments, true)?;
+    if !said.contains("parameters=accepted") {
+        return Err(Failure::check(format!("the emulated drive refuses its parameters: {said}")));
+    }
+    let drive = values(&said);
+    for (row, name) in [
+        ("tick_f32_instructions", "tick_instructions"),
+        ("frame_instructions", "frame_instructions"),
+    ] {
+        rows.extend(drive.get(name).map(|count| (row.to_owned(), *count)));
+    }
     rows.retain(|name, _| name.ends_with("_instructions") || name.ends_with("_bytes"));
     rows.insert("flash_bytes".to_owned(), flash(&elf(HARD, "replay"))?);
     rows.insert("flash_fixed_bytes".to_owned(), flash(&elf(SOFT, "count_fixed"))?);
@@ -125,8 +156,15 @@ fn fixed_block() -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-fn emulate(elf: &Path, folder: &Path, arguments: &str) -> Result<String, Failure> {
-    let output = Command::new("qemu-system-arm")
+/// Runs a program in that folder, with the file `page.bin` as its parameter page where it has one.
+fn emulate(elf: &Path, folder: &Path, arguments: &str, page: bool) -> Result<String, Failure> {
+    let mut command = Command::new("qemu-system-arm");
+    if page {
+        let address = firmware::block::PAGE_ADDRESS_F405;
+        let device = format!("loader,file=page.bin,addr={address:#x},force-raw=on");
+        command.arg("-device").arg(device);
+    }
+    let output = command
         .current_dir(folder)
         .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null"])
         .args(["-icount", "shift=0,sleep=off", "-semihosting-config"])

@@ -1,16 +1,14 @@
-//! Where a drive's bytes come from: a file that holds them, or a debug server that passes them on.
+//! Where a drive's bytes come from: a file that holds them, a debug probe at a board, or a debug
+//! server that passes them on.
 
-use std::io::{Read, Write};
-use std::net::TcpStream;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
-use joint_core::telemetry::frame::encode;
-use joint_core::telemetry::{Command, Message, Trigger};
+use joint_core::telemetry::{Command, Trigger};
 
 use super::Failure;
 use crate::fault::InputError;
-use crate::probe::Recording;
+use crate::probe::wire::{self, Next, Wire};
+use crate::probe::{Chip, Recording};
 
 /// A drive, or what it has sent.
 #[derive(Clone, Debug, clap::Args)]
@@ -22,6 +20,10 @@ pub struct Source {
     /// Debug server that passes on RTT channel 1, as OpenOCD's `rtt server start 9090 1`
     #[arg(long, value_name = "HOST:PORT")]
     pub connect: Option<String>,
+    /// Board at a debug probe, by its chip; needs the feature `probe`. PROBE_RS_PROBE chooses
+    /// among probes: VID:PID[:SERIAL]
+    #[arg(long, value_enum)]
+    pub chip: Option<Chip>,
 }
 
 impl Source {
@@ -48,14 +50,17 @@ impl Source {
 
     /// What to say where nothing of use has come.
     pub(super) fn silent(&self) -> Failure {
-        match (&self.stream, &self.connect) {
-            (Some(path), _) => Failure::input(format!(
+        let from = match (&self.connect, self.chip) {
+            (Some(server), _) => server.clone(),
+            (None, chip) => chip.map_or(String::new(), |chip| chip.name().to_owned()),
+        };
+        match &self.stream {
+            Some(path) => Failure::input(format!(
                 "{}: holds no greeting of a drive, or no capture\n  help: record from the start",
                 path.display()
             )),
-            (None, server) => Failure::check(format!(
-                "{}: nothing has come in time\n  help: does `drive` run, and does the server pass on channel 1?",
-                server.as_deref().unwrap_or_default()
+            None => Failure::check(format!(
+                "{from}: nothing has come in time\n  help: does `drive` run, and does a server between pass on channel 1?"
             )),
         }
     }
@@ -71,63 +76,42 @@ impl Source {
             let bytes =
                 std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
             recording.take(&bytes);
-        } else if let Some(server) = &self.connect {
-            listen(server, commands, seconds, next, &mut recording)
-                .map_err(|error| Failure::check(format!("{server}: {error}")))?;
+            return Ok(recording);
         }
+        let (name, mut wire) = match (&self.connect, self.chip) {
+            (Some(server), _) => {
+                let stream = wire::server(server)
+                    .map_err(|why| Failure::check(format!("{server}: {why}")))?;
+                (server.as_str(), Box::new(stream) as Box<dyn Wire>)
+            }
+            (None, Some(chip)) => (chip.name(), live(chip)?),
+            (None, None) => return Ok(recording),
+        };
+        wire::listen(&mut *wire, commands, seconds, next, &mut recording)
+            .map_err(|why| Failure::check(format!("{name}: {why}")))?;
         Ok(recording)
     }
 }
 
-/// What to do after something has come.
-enum Next {
-    More,
-    Enough,
-    Ask(Command),
+/// A board at a debug probe.
+#[cfg(feature = "probe")]
+fn live(chip: Chip) -> Result<Box<dyn Wire>, Failure> {
+    use crate::probe::board::{Board, probe};
+    probe(None)
+        .and_then(|probe| Board::attach(probe, chip)?.live())
+        .map(|live| Box::new(live) as Box<dyn Wire>)
+        .map_err(|why| Failure::check(format!("{}: {why}", chip.name())))
 }
 
-/// How often a command is repeated that may not be heard yet.
-const AGAIN: Duration = Duration::from_millis(200);
+#[cfg(not(feature = "probe"))]
+fn live(_: Chip) -> Result<Box<dyn Wire>, Failure> {
+    Err(no_probe())
+}
 
-fn listen(
-    server: &str,
-    commands: &[Command],
-    seconds: f64,
-    next: &mut dyn FnMut(&Recording) -> Next,
-    recording: &mut Recording,
-) -> std::io::Result<()> {
-    let mut stream = TcpStream::connect(server)?;
-    stream.set_read_timeout(Some(Duration::from_millis(50)))?;
-    let mut sequence = 0;
-    let mut send = |stream: &mut TcpStream, command: Command| {
-        sequence += 1;
-        stream.write_all(&encode(&Message::Command(command), sequence))
-    };
-    for command in commands {
-        send(&mut stream, *command)?;
-    }
-    let (start, mut asked) = (Instant::now(), Instant::now());
-    let mut buffer = [0; 4096];
-    while start.elapsed().as_secs_f64() < seconds {
-        match stream.read(&mut buffer) {
-            Ok(0) => break,
-            Ok(count) => recording.take(&buffer[..count]),
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut
-                ) => {}
-            Err(error) => return Err(error),
-        }
-        match next(recording) {
-            Next::More => {}
-            Next::Enough => break,
-            Next::Ask(command) if asked.elapsed() > AGAIN => {
-                asked = Instant::now();
-                send(&mut stream, command)?;
-            }
-            Next::Ask(_) => {}
-        }
-    }
-    Ok(())
+/// What to say where debug probes are not built in.
+#[cfg(not(feature = "probe"))]
+pub(super) fn no_probe() -> Failure {
+    Failure::input(
+        "this `joint` is built without debug probes\n  help: build it with them: cargo build --release -p host-harness --features probe",
+    )
 }

@@ -14,11 +14,15 @@ use crate::output::OutFile;
 
 /// Turn a model into parameters for the firmware, or into another tool's model
 ///
-/// `block` is what the drive's flash page holds, `rust` the same as a source file.
+/// `block` is what the drive's flash page holds, `rust` the same as a source file; `fmu` is a unit
+/// of FMI 2.0 for co-simulation that steps this very joint, `mjcf` a MuJoCo model, which says what it
+/// had to leave out.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint export --model found/model.toml --format block --out joint.block
-  joint export --model found/model.toml --format rust --out src/joint.rs --period-us 100")]
+  joint export --model found/model.toml --format rust --out src/joint.rs --period-us 100
+  joint export --model found/model.toml --format fmu --out joint.fmu
+  joint export --model found/model.toml --format mjcf --out joint.xml --bus-v 24")]
 pub struct Args {
     /// Model file
     #[arg(long, value_name = "TOML")]
@@ -50,6 +54,10 @@ pub enum Format {
     Block,
     /// The same as a Rust source file, with the SI parameters
     Rust,
+    /// Functional mock-up unit, FMI 2.0 for co-simulation
+    Fmu,
+    /// MuJoCo model
+    Mjcf,
 }
 
 /// Which quantity drives the joint.
@@ -91,12 +99,16 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     if let (Some(json), Some(crc)) = (json.as_object_mut(), more.crc) {
         json.insert("crc32".to_owned(), format!("{crc:08x}").into());
     }
+    if let (Some(json), Some(lost)) = (json.as_object_mut(), more.lost) {
+        json.insert("lost".to_owned(), lost.into());
+    }
     Ok(Outcome::done(json, text))
 }
 
 #[derive(Default)]
 struct More {
     crc: Option<u32>,
+    lost: Option<Vec<String>>,
     text: String,
 }
 
@@ -107,10 +119,16 @@ fn contents(args: &Args, model: &Model) -> Result<(Vec<u8>, More), export::Expor
             let bytes = export::block::block(model, &options)?;
             let crc = Block::check(&bytes).ok().map(|block| block.crc);
             let text = crc.map_or(String::new(), |crc| format!(", CRC {crc:08x}"));
-            Ok((bytes, More { crc, text }))
+            Ok((bytes, More { crc, text, ..More::default() }))
         }
         Format::Rust => {
             export::rust::source(model, &options).map(|text| (text.into_bytes(), More::default()))
+        }
+        Format::Fmu => export::fmu::fmu(model, &options).map(|bytes| (bytes, More::default())),
+        Format::Mjcf => {
+            let export::mjcf::Mjcf { text: contents, lost } = export::mjcf::mjcf(model, &options);
+            let text = lost.iter().map(|own| format!("\nleft out: {own}")).collect();
+            Ok((contents.into_bytes(), More { lost: Some(lost), text, ..More::default() }))
         }
     }
 }

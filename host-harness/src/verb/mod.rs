@@ -11,6 +11,7 @@ pub mod demo;
 pub mod discover;
 pub mod drive;
 pub mod export;
+pub mod flash;
 pub mod identify;
 mod load;
 pub mod monitor;

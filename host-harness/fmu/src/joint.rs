@@ -1,0 +1,238 @@
+//! What joint it is: the file in the FMU's resources, and the variables that follow from it.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::joint::Drive;
+use joint_core::params::{Load, Motor, Stage};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+/// What the importing tool puts in first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Input {
+    /// The DC-equivalent voltage on the motor.
+    Voltage,
+    /// The motor's current.
+    Current,
+}
+
+impl From<Input> for Drive {
+    fn from(input: Input) -> Self {
+        match input {
+            Input::Voltage => Drive::Voltage,
+            Input::Current => Drive::Current,
+        }
+    }
+}
+
+/// An effect by its names in the model file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffectDescription {
+    /// Its kind.
+    pub kind: String,
+    /// Its place.
+    pub location: String,
+    /// Its parameters by key.
+    pub parameters: Map<String, Value>,
+}
+
+impl EffectDescription {
+    /// Of an effect.
+    pub fn of(effect: &EffectParameters) -> Self {
+        let spec = effect.kind.spec();
+        let values = spec.parameters.iter().zip(effect.values);
+        let parameters = values.map(|(own, value)| (own.key.to_owned(), value.into())).collect();
+        Self { kind: spec.kind.to_owned(), location: effect.location.to_string(), parameters }
+    }
+
+    fn effect(&self) -> Result<EffectParameters, JointError> {
+        let unknown = |what: &str| JointError(format!("unknown {what} of an effect"));
+        let kind = Kind::from_name(&self.kind).ok_or_else(|| unknown(&self.kind))?;
+        let location = self.location.parse().map_err(|()| unknown(&self.location))?;
+        let mut effect = EffectParameters::new(kind, location);
+        for (key, value) in &self.parameters {
+            effect.get(key).ok_or_else(|| unknown(key))?;
+            effect = effect.with(key, value.as_f64().ok_or_else(|| unknown(key))?);
+        }
+        Ok(effect)
+    }
+}
+
+/// A joint as `resources/joint.json` has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Joint {
+    /// Its name.
+    pub name: String,
+    /// What drives it.
+    pub input: Input,
+    /// Length of its step, s.
+    pub period_s: f64,
+    /// The motor, SI.
+    pub motor: Motor,
+    /// The stages, SI, from the motor on.
+    pub stage: Vec<Stage>,
+    /// The load, SI.
+    pub load: Load,
+    /// What is beside the plain equations.
+    pub effect: Vec<EffectDescription>,
+}
+
+/// Why a joint cannot be read or run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JointError(pub(crate) String);
+
+impl std::fmt::Display for JointError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for JointError {}
+
+/// A variable of the FMU; its value reference is its place in [`Joint::variables`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Its name, with its unit at the end.
+    pub name: String,
+    /// What it is to the importing tool.
+    pub causality: Causality,
+    /// Its value at the start; outputs have none.
+    pub start: Option<f64>,
+}
+
+/// What a variable is to the importing tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Held over a communication step.
+    Input,
+    /// At the end of the last step.
+    Output,
+    /// May be set until the initialisation ends.
+    Parameter,
+}
+
+/// Value references of the two inputs.
+pub(crate) const DRIVE: usize = 0;
+pub(crate) const LOAD: usize = 1;
+pub(crate) const INPUTS: usize = 2;
+
+impl Joint {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// It is no joint.
+    pub fn read(text: &str) -> Result<Self, JointError> {
+        serde_json::from_str(text).map_err(|error| JointError(format!("joint.json: {error}")))
+    }
+
+    /// The file's text.
+    pub fn text(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// The effects.
+    ///
+    /// # Errors
+    /// A name that this version does not know.
+    pub fn effects(&self) -> Result<Vec<EffectParameters>, JointError> {
+        self.effect.iter().map(EffectDescription::effect).collect()
+    }
+
+    /// Names of the outputs, in the order of their value references.
+    pub fn outputs(&self) -> Vec<String> {
+        let mut names: Vec<String> = [
+            "current_a",
+            "measured_current_a",
+            "motor_angle_rad",
+            "motor_speed_rad_per_s",
+            "motor_bristle",
+            "output_angle_rad",
+            "output_speed_rad_per_s",
+        ]
+        .map(str::to_owned)
+        .into();
+        for number in 1..=self.stage.len() {
+            let quantities = ["angle_rad", "speed_rad_per_s", "windup_rad", "bristle"];
+            names.extend(quantities.map(|quantity| format!("stage{number}_{quantity}")));
+        }
+        names
+    }
+
+    /// All variables: inputs, outputs, parameters.
+    pub fn variables(&self) -> Vec<Variable> {
+        let drive = match self.input {
+            Input::Voltage => "voltage_v",
+            Input::Current => "command_current_a",
+        };
+        let inputs = [drive, "load_torque_nm"].map(|name| Variable {
+            name: name.to_owned(),
+            causality: Causality::Input,
+            start: Some(0.0),
+        });
+        let outputs = self.outputs().into_iter().map(|name| Variable {
+            name,
+            causality: Causality::Output,
+            start: None,
+        });
+        let parameters = self.parameters().into_iter().map(|(name, _, value)| Variable {
+            name,
+            causality: Causality::Parameter,
+            start: Some(value),
+        });
+        inputs.into_iter().chain(outputs).chain(parameters).collect()
+    }
+
+    /// The numbers of motor, stages, load and effects: name, place in the file, value.
+    pub(crate) fn parameters(&self) -> Vec<(String, String, f64)> {
+        let mut found = Vec::new();
+        let Ok(file) = serde_json::to_value(self) else { return found };
+        for table in ["motor", "stage", "load", "effect"] {
+            if let Some(value) = file.get(table) {
+                numbers(value, table, &format!("/{table}"), &mut found);
+            }
+        }
+        found
+    }
+
+    /// The same joint with other numbers, in the order of [`Joint::parameters`].
+    pub(crate) fn with(&self, values: &[f64]) -> Result<Self, JointError> {
+        let wrong = |what: &dyn std::fmt::Display| JointError(what.to_string());
+        let mut file = serde_json::to_value(self).map_err(|error| wrong(&error))?;
+        for ((name, place, before), value) in self.parameters().iter().zip(values) {
+            if before == value {
+                continue;
+            }
+            if !value.is_finite() {
+                return Err(JointError(format!("{name} is no finite number")));
+            }
+            if let Some(slot) = file.pointer_mut(place) {
+                let whole = slot.is_u64() && value.fract() == 0.0 && *value >= 0.0;
+                *slot = if whole { (*value as u64).into() } else { (*value).into() };
+            }
+        }
+        serde_json::from_value(file).map_err(|error| wrong(&error))
+    }
+}
+
+/// Every number below a value; elements of lists count from 1 in names.
+fn numbers(value: &Value, name: &str, place: &str, found: &mut Vec<(String, String, f64)>) {
+    match value {
+        Value::Number(number) => {
+            let value = number.as_f64().unwrap_or(f64::NAN);
+            found.push((name.to_owned(), place.to_owned(), value));
+        }
+        Value::Array(list) => {
+            for (k, value) in list.iter().enumerate() {
+                numbers(value, &format!("{name}{}", k + 1), &format!("{place}/{k}"), found);
+            }
+        }
+        Value::Object(map) => {
+            for (key, value) in map {
+                let own =
+                    if key == "parameters" { name.to_owned() } else { format!("{name}.{key}") };
+                numbers(value, &own, &format!("{place}/{key}"), found);
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,90 @@
+//! The joint as an FMU: the shared library that steps it, its parameters, and their description.
+
+use std::env::consts::{ARCH, DLL_PREFIX, DLL_SUFFIX, OS};
+use std::io::{Cursor, Write};
+use std::path::PathBuf;
+
+use joint_core::joint::Drive;
+use joint_fmu::{EffectDescription, Input, Joint, model_description};
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+use super::{DriveOptions, ExportError, identifier};
+use crate::model::Model;
+use crate::plant::{self, Grid};
+
+/// The FMU's bytes: a zip archive of FMI 2.0 for co-simulation, for the computer that this runs on.
+///
+/// # Errors
+/// The joint cannot be stepped, or the shared library is not where it was built.
+pub fn fmu(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError> {
+    // What the FMU would refuse is refused here.
+    plant::plant(model, &Grid::new(&[0.0, options.period_s], None), options.drive)
+        .map_err(|error| ExportError::Parameter(error.to_string()))?;
+    let joint = Joint {
+        name: model.name.clone(),
+        input: match options.drive {
+            Drive::Voltage => Input::Voltage,
+            Drive::Current => Input::Current,
+        },
+        period_s: options.period_s,
+        motor: model.motor,
+        stage: model.stages.clone(),
+        load: model.load,
+        effect: model.effects.iter().map(EffectDescription::of).collect(),
+    };
+    let library = library()?;
+    let contents = std::fs::read(&library)
+        .map_err(|error| ExportError::Library(format!("{}: {error}", library.display())))?;
+    let (text, name) = (joint.text(), identifier(model));
+    let mut crc = flate2::Crc::new();
+    crc.update(text.as_bytes());
+    let guid = format!("{{joint-{}-{:08x}}}", env!("CARGO_PKG_VERSION"), crc.sum());
+    let description = model_description(&joint, &name, &guid);
+    let binary = format!("binaries/{}/{name}{DLL_SUFFIX}", platform()?);
+    archive(&[
+        ("modelDescription.xml", description.as_bytes()),
+        ("resources/joint.json", text.as_bytes()),
+        (&binary, &contents),
+    ])
+    .map_err(|error| ExportError::Library(error.to_string()))
+}
+
+fn archive(files: &[(&str, &[u8])]) -> zip::result::ZipResult<Vec<u8>> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().unix_permissions(0o644);
+    for (name, contents) in files {
+        zip.start_file(*name, options)?;
+        zip.write_all(contents)?;
+    }
+    Ok(zip.finish()?.into_inner())
+}
+
+/// The folder that FMI 2.0 gives this computer's libraries.
+fn platform() -> Result<&'static str, ExportError> {
+    match (OS, ARCH) {
+        ("linux", "x86_64") => Ok("linux64"),
+        ("windows", "x86_64") => Ok("win64"),
+        ("macos", "x86_64") => Ok("darwin64"),
+        _ => Err(ExportError::Library(format!("FMI 2.0 has no folder for {ARCH} and {OS}"))),
+    }
+}
+
+/// The shared library, which is built with this program: beside it, or among what it depends on.
+fn library() -> Result<PathBuf, ExportError> {
+    let name = format!("{DLL_PREFIX}joint_fmu{DLL_SUFFIX}");
+    let program =
+        std::env::current_exe().map_err(|error| ExportError::Library(error.to_string()))?;
+    let beside = program.parent().unwrap_or(&program);
+    [beside.join(&name), beside.join("deps").join(&name)]
+        .into_iter()
+        .filter(|path| path.is_file())
+        // One of the two may be of an earlier build.
+        .max_by_key(|path| path.metadata().and_then(|file| file.modified()).ok())
+        .ok_or_else(|| {
+            ExportError::Library(format!(
+                "{name} is not in {}: it is built with `joint`; copy it from target/release/deps",
+                beside.display()
+            ))
+        })
+}

@@ -1,0 +1,271 @@
+//! The joint for other tools: an FMU that is loaded and stepped as an importing tool does, and a
+//! MuJoCo model that says what it lacks.
+
+#![allow(unsafe_code)]
+
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::path::Path;
+use std::process::Command;
+
+use host_harness::model::Model;
+use host_harness::plant::{Inputs, ScalarKind, Snapshot, simulate};
+use joint_core::joint::Drive;
+use libloading::Library;
+
+const MODEL: &str = r#"
+name = "two stages"
+[motor]
+phase_resistance_ohm = 4.55
+phase_inductance_h = 13e-6
+torque_constant_nm_per_a = 1.38e-3
+rotor_inertia_kg_m2 = 9.5e-10
+[motor.friction]
+sigma0_nm_per_rad = 0.05
+sigma1_nm_s_per_rad = 4e-7
+sigma2_nm_s_per_rad = 1e-9
+coulomb_nm = 9e-6
+stribeck_nm = 4e-6
+stribeck_velocity_rad_per_s = 20.0
+[[stage]]
+reduction = 32.0
+inertia_kg_m2 = 2e-9
+stiffness_nm_per_rad = 0.5
+damping_nm_s_per_rad = 1e-5
+[[stage]]
+reduction = -32.0
+inertia_kg_m2 = 8e-7
+stiffness_nm_per_rad = 15.0
+damping_nm_s_per_rad = 1e-3
+[load]
+inertia_kg_m2 = 1e-6
+gravity_nm = 0.002
+gravity_phase_rad = 0.4
+[[effect]]
+kind = "cogging"
+location = "motor"
+order = 6
+amplitude_nm = 1e-5
+"#;
+const PERIOD_S: f64 = 50e-6;
+const STEPS: usize = 2_000;
+
+fn export(folder: &Path, model: &str, arguments: &str) -> serde_json::Value {
+    std::fs::write(folder.join("m.toml"), model).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_joint"))
+        .args("export --model m.toml --json --force".split(' '))
+        .args(arguments.split(' '))
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Voltage and load of a step.
+fn held(k: usize) -> [f64; 2] {
+    [[3.0, -2.0, 0.2, 0.0][k / 300 % 4], if k > 900 { 0.004 } else { 0.0 }]
+}
+
+fn expected(model: &str) -> Vec<Snapshot> {
+    let model = Model::parse(model, Path::new("m.toml")).unwrap();
+    let inputs = Inputs {
+        time_s: (0..=STEPS).map(|k| k as f64 * PERIOD_S).collect(),
+        drive: Drive::Voltage,
+        drive_values: (0..=STEPS).map(|k| held(k)[0]).collect(),
+        load_nm: (0..=STEPS).map(|k| held(k)[1]).collect(),
+    };
+    simulate(&model, &inputs, ScalarKind::F64, None, None).unwrap()
+}
+
+/// An FMU, unpacked and loaded.
+struct Fmu {
+    library: Library,
+    description: String,
+    _folder: tempfile::TempDir,
+    own: *mut c_void,
+}
+
+type Own = *mut c_void;
+
+impl Fmu {
+    fn load(path: &Path) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        // A name that needs encoding in a URI.
+        let place = folder.path().join("an fmu");
+        zip::ZipArchive::new(std::fs::File::open(path).unwrap()).unwrap().extract(&place).unwrap();
+        let description = std::fs::read_to_string(place.join("modelDescription.xml")).unwrap();
+        let library = place.join("binaries/linux64/two_stages.so");
+        // SAFETY: the FMU's library, whose start runs no code of its own.
+        let library = unsafe { Library::new(library) }.unwrap();
+        let uri = format!("file://{}", place.join("resources").display()).replace(' ', "%20");
+        let (name, guid) = (CString::new("own").unwrap(), CString::new("guid").unwrap());
+        let uri = CString::new(uri).unwrap();
+        type Make = unsafe extern "C" fn(
+            *const c_char,
+            c_int,
+            *const c_char,
+            *const c_char,
+            *const c_void,
+            c_int,
+            c_int,
+        ) -> Own;
+        // SAFETY: the function of this name has this type by FMI 2.0.
+        let own = unsafe {
+            let make = library.get::<Make>(b"fmi2Instantiate").unwrap();
+            make(name.as_ptr(), 1, guid.as_ptr(), uri.as_ptr(), std::ptr::null(), 0, 0)
+        };
+        assert!(!own.is_null(), "the FMU is not instantiated");
+        Self { library, description, _folder: folder, own }
+    }
+
+    fn reference(&self, name: &str) -> c_uint {
+        let line = self.description.lines().find(|line| line.contains(&format!("\"{name}\"")));
+        let rest = line.unwrap_or_else(|| panic!("no variable {name}"));
+        let (_, rest) = rest.split_once("valueReference=\"").unwrap();
+        rest.split('"').next().unwrap().parse().unwrap()
+    }
+
+    fn call(&self, name: &str) -> c_int {
+        // SAFETY: as in `load`; these take an instance alone.
+        unsafe {
+            let f: libloading::Symbol<'_, unsafe extern "C" fn(Own) -> c_int> =
+                self.library.get(name.as_bytes()).unwrap();
+            f(self.own)
+        }
+    }
+
+    fn start(&self) {
+        assert_eq!(self.call("fmi2EnterInitializationMode"), 0);
+        assert_eq!(self.call("fmi2ExitInitializationMode"), 0);
+    }
+
+    fn set(&self, name: &str, value: f64) -> c_int {
+        type Set = unsafe extern "C" fn(Own, *const c_uint, usize, *const f64) -> c_int;
+        let reference = self.reference(name);
+        // SAFETY: as in `load`; one reference, one value.
+        unsafe { self.library.get::<Set>(b"fmi2SetReal").unwrap()(self.own, &reference, 1, &value) }
+    }
+
+    fn get(&self, name: &str) -> f64 {
+        type Get = unsafe extern "C" fn(Own, *const c_uint, usize, *mut f64) -> c_int;
+        let (reference, mut value) = (self.reference(name), f64::NAN);
+        // SAFETY: as in `load`; one reference, one place.
+        let code = unsafe {
+            self.library.get::<Get>(b"fmi2GetReal").unwrap()(self.own, &reference, 1, &mut value)
+        };
+        assert_eq!(code, 0, "{name}");
+        value
+    }
+
+    fn step(&self, time: f64, step: f64) -> c_int {
+        type Step = unsafe extern "C" fn(Own, f64, f64, c_int) -> c_int;
+        // SAFETY: as in `load`.
+        unsafe { self.library.get::<Step>(b"fmi2DoStep").unwrap()(self.own, time, step, 0) }
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        // SAFETY: as in `load`; freed once.
+        unsafe {
+            self.library.get::<unsafe extern "C" fn(Own)>(b"fmi2FreeInstance").unwrap()(self.own);
+        }
+    }
+}
+
+#[test]
+fn an_fmu_gives_what_the_model_gives_step_by_step() {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    export(folder.path(), MODEL, "--format fmu --out m.fmu");
+    let fmu = Fmu::load(&folder.path().join("m.fmu"));
+    fmu.start();
+    let expected = expected(MODEL);
+    // Rounding alone is between the two: it is held against the largest value of each.
+    type Of = fn(&Snapshot) -> f64;
+    let shown: [(&str, Of); 7] = [
+        ("motor_angle_rad", |own| own.motor_angle_rad),
+        ("motor_speed_rad_per_s", |own| own.motor_speed_rad_per_s),
+        ("current_a", |own| own.current_a),
+        ("motor_bristle", |own| own.motor_bristle),
+        ("stage1_windup_rad", |own| own.stages[0].windup_rad),
+        ("output_angle_rad", |own| own.stages[1].angle_rad),
+        ("output_speed_rad_per_s", |own| own.stages[1].speed_rad_per_s),
+    ];
+    let largest =
+        |of: fn(&Snapshot) -> f64| expected.iter().map(of).fold(0.0, |a, b| b.abs().max(a));
+    let shown = shown.map(|(name, of)| (name, of, largest(of)));
+    for (k, own) in expected.iter().enumerate() {
+        for (name, of, largest) in shown {
+            let (found, value) = (fmu.get(name), of(own));
+            assert!((found - value).abs() <= 1e-10 * largest, "{name} at {k}: {found} for {value}");
+        }
+        let [voltage, load] = held(k);
+        assert_eq!((fmu.set("voltage_v", voltage), fmu.set("load_torque_nm", load)), (0, 0));
+        assert_eq!(fmu.step(k as f64 * PERIOD_S, PERIOD_S), 0);
+    }
+}
+
+#[test]
+fn an_fmus_parameters_are_set_before_it_starts_and_not_after() {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    export(folder.path(), MODEL, "--format fmu --out m.fmu");
+    let fmu = Fmu::load(&folder.path().join("m.fmu"));
+    assert_eq!(fmu.get("motor.phase_resistance_ohm"), 4.55);
+    assert_eq!(fmu.set("motor.phase_resistance_ohm", 9.1), 0);
+    fmu.start();
+    assert_eq!(fmu.set("motor.phase_resistance_ohm", 4.55), 3);
+    assert_eq!(fmu.set("voltage_v", 3.0), 0);
+    // One long communication step is as many of the joint's own.
+    assert_eq!(fmu.step(0.0, 300.0 * PERIOD_S), 0);
+    let other = MODEL.replace("phase_resistance_ohm = 4.55", "phase_resistance_ohm = 9.1");
+    let wanted = expected(&other)[300].motor_speed_rad_per_s;
+    assert!((fmu.get("motor_speed_rad_per_s") - wanted).abs() < 1e-9 * wanted.abs());
+    assert_eq!(fmu.set("voltage_v", f64::NAN), 0);
+    assert_eq!(fmu.step(300.0 * PERIOD_S, PERIOD_S), 3);
+    // What no joint is made of.
+    assert_eq!(fmu.call("fmi2Reset"), 0);
+    assert_eq!(fmu.set("motor.rotor_inertia_kg_m2", -1.0), 0);
+    assert_eq!(fmu.call("fmi2ExitInitializationMode"), 3);
+}
+
+#[test]
+fn a_mujoco_model_has_what_it_can_say_and_names_what_it_cannot() {
+    let folder = tempfile::tempdir().unwrap();
+    let more = "[[effect]]\nkind = \"backlash\"\nlocation = \"stage1\"\nwidth_rad = 0.004\n";
+    let told =
+        export(folder.path(), &format!("{MODEL}{more}"), "--format mjcf --out m.xml --bus-v 12");
+    let text = std::fs::read_to_string(folder.path().join("m.xml")).unwrap();
+    for part in [
+        "stiffness=\"0.5\" damping=\"1e-5\" springlength=\"-0.002 0.002\"",
+        "coef=\"0.03125\"",
+        "coef=\"-0.03125\"",
+        "dynprm=\"2.857142857",
+        "ctrlrange=\"-12.0 12.0\"",
+        "frictionloss=\"9e-6\"",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    // Gravity: m g l at the output, and the inertia about the hinge still the load's and the gear's.
+    let output =
+        text.lines().skip_while(|line| !line.contains("body name=\"output\"")).nth(1).unwrap();
+    let numbers: Vec<f64> = output.split(['"', ' ']).filter_map(|word| word.parse().ok()).collect();
+    let [x, _, z, mass, inertia, ..] = numbers[..] else { panic!("{output}") };
+    assert!((mass * 9.81 * x.hypot(z) - 0.002).abs() < 1e-12);
+    assert!((inertia + mass * x.hypot(z).powi(2) - 1.8e-6).abs() < 1e-15);
+    assert!((x.atan2(-z) - 0.4).abs() < 1e-12);
+    let lost: Vec<&str> =
+        told["lost"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
+    for part in ["cogging", "Stribeck", "presliding", "back-EMF"] {
+        assert!(lost.iter().any(|line| line.contains(part)), "{part}: {lost:?}");
+    }
+    assert!(!lost.iter().any(|line| line.contains("backlash")), "{lost:?}");
+    for line in lost {
+        assert!(text.contains(line), "the file does not say {line}");
+    }
+}
