@@ -253,12 +253,7 @@ fn gap(
     }
 }
 
-fn named(
-    found: &Search,
-    standing: usize,
-    clean: bool,
-    covariance: &DMatrix<f64>,
-) -> Vec<Named> {
+fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>) -> Vec<Named> {
     let fit = &found.after.fit;
     let effects = fit.model.effects.iter().enumerate().skip(standing);
     effects

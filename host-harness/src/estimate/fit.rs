@@ -213,8 +213,7 @@ impl<'a> Problem<'a> {
             };
             let at = offset(&model);
             let gradient = own.jacobian.tr_mul(&residual) + precision.component_mul(&at);
-            let curvature =
-                own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
+            let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
             let before = self.sum_of_squares(&innovations) + prior(&at);
             let attempts = if own.moved == 0.0 { 6 } else { 1 };
             let mut gained = None;
@@ -319,4 +318,3 @@ fn offset(coordinates: &[Coordinate], origin: &Model, model: &Model) -> DVector<
     let distance = coordinates.iter().map(|c| c.distance(origin, model));
     DVector::from_iterator(coordinates.len(), distance)
 }
-
