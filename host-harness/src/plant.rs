@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES};
 use joint_core::fixed::Fixed;
-use joint_core::joint::{Drive, Joint, Mass, Settings, StageState, State};
+use joint_core::joint::{Drive, Joint, Mass, Pace, Settings, StageState, State};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
@@ -442,9 +442,9 @@ fn snapshot<S: Scalar, const N: usize>(
     }
 }
 
-/// Micro-steps that a model asks for in an interval of this length.
+/// Micro-steps that a fit of a model takes in an interval of this length.
 pub fn micro_steps(model: &Model, interval_s: f64) -> u32 {
-    joint_core::joint::micro_steps(&model.motor, &model.stages, &model.load, interval_s)
+    Pace::of(&model.motor, &model.stages, &model.load).coarse_micro_steps(interval_s)
 }
 
 /// Inertia of every mass reflected to the motor, kg m², the rotor first.

@@ -76,37 +76,44 @@ pub struct Scenario {
     pub name: &'static str,
     /// Length, s.
     pub duration_s: f64,
-    /// Voltage over time, V.
-    pub voltage: fn(f64) -> f64,
+    /// What the drive imposes.
+    pub drive: Drive,
+    /// Voltage over time, V; where the current is imposed, current, A.
+    pub drive_value: fn(f64) -> f64,
     /// Load at the output over time, Nm.
     pub load: fn(f64) -> f64,
 }
 
 /// Every scenario of the cross-check.
-pub const ALL: [Scenario; 6] = [
-    Scenario { name: "step", duration_s: 0.1, voltage: |_| 1.0, load: unloaded },
-    Scenario { name: "trapezoid", duration_s: 0.1, voltage: trapezoid, load: unloaded },
-    Scenario {
-        name: "sine-load",
-        duration_s: 0.1,
-        voltage: |_| 1.0,
-        load: |t| LOAD_NM * (TAU * 50.0 * t).sin(),
-    },
-    Scenario {
-        name: "step-load",
-        duration_s: 0.1,
-        voltage: |_| 1.0,
-        load: |t| if t < 0.01 { 0.0 } else { LOAD_NM },
-    },
+pub const ALL: [Scenario; 7] = [
+    AT_1_V,
+    Scenario { name: "trapezoid", drive_value: trapezoid, ..AT_1_V },
+    Scenario { name: "sine-load", load: |t| LOAD_NM * (TAU * 50.0 * t).sin(), ..AT_1_V },
+    Scenario { name: "step-load", load: |t| if t < 0.01 { 0.0 } else { LOAD_NM }, ..AT_1_V },
     // Breakaway of the whole joint is at 0.12 V.
-    Scenario { name: "stick", duration_s: 0.1, voltage: |_| 0.08, load: unloaded },
+    Scenario { name: "stick", drive_value: |_| 0.08, ..AT_1_V },
+    Scenario { name: "wiggle", drive_value: |t| 0.25 * (TAU * 40.0 * t).sin(), ..AT_1_V },
+    // Twice the current that breaks the joint away, then as much against the motion.
     Scenario {
-        name: "wiggle",
-        duration_s: 0.1,
-        voltage: |t| 0.25 * (TAU * 40.0 * t).sin(),
-        load: unloaded,
+        name: "current-step",
+        drive: Drive::Current,
+        drive_value: |t| match t {
+            t if t < 0.002 => 0.0,
+            t if t < 0.03 => 0.026,
+            _ => -0.026,
+        },
+        ..AT_1_V
     },
 ];
+
+/// The voltage steps to 1 V.
+const AT_1_V: Scenario = Scenario {
+    name: "step",
+    duration_s: 0.1,
+    drive: Drive::Voltage,
+    drive_value: |_| 1.0,
+    load: unloaded,
+};
 
 /// The paper's load, Nm.
 const LOAD_NM: f64 = 0.02;
@@ -139,8 +146,8 @@ impl Scenario {
         let samples = (self.duration_s / GRID_S).round() as usize + 1;
         let time_s: Vec<f64> = (0..samples).map(|k| k as f64 * GRID_S).collect();
         Inputs {
-            drive: Drive::Voltage,
-            drive_values: time_s.iter().map(|t| (self.voltage)(*t)).collect(),
+            drive: self.drive,
+            drive_values: time_s.iter().map(|t| (self.drive_value)(*t)).collect(),
             load_nm: time_s.iter().map(|t| (self.load)(*t)).collect(),
             time_s,
         }

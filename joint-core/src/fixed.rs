@@ -250,6 +250,11 @@ impl Scalar for Fixed {
         (self.relaxed(reach, rho, level), lost)
     }
     #[inline(always)]
+    fn nearest(self, other: Fixed) -> Fixed {
+        let product = i64::from(self.0) * i64::from(other.0) + i64::from(UNIT / 2);
+        Self(from_place::<PLACES>(product))
+    }
+    #[inline(always)]
     fn half(self) -> Fixed {
         Fixed(self.0 >> 1)
     }

@@ -23,7 +23,7 @@ pub struct Settings<'a> {
     pub drive: Drive,
     /// Length of a step, seconds.
     pub step_s: f64,
-    /// Micro-steps in a step; `None` takes what [`micro_steps`] finds.
+    /// Micro-steps in a step; `None` takes what [`Pace::micro_steps`] finds.
     pub micro_steps: Option<u32>,
     /// Effects beside the plain equations; used by joints with an [`EffectSet`].
     pub effects: &'a [EffectParameters],
@@ -198,7 +198,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         params::validate(motor, stages, load)?;
         params::validate_drive(motor, settings.drive == Drive::Voltage, settings.step_s)?;
         let mut bases = Bases::of(motor, stages, settings.step_s);
-        let found = micro_steps(motor, stages, load, settings.step_s);
+        let pace = Pace::with(motor, stages, load, settings.effects);
+        let found = pace.micro_steps(settings.step_s);
         let micro_steps = settings.micro_steps.unwrap_or(found).clamp(1, MAX_MICRO_STEPS);
         let step = settings.step_s / f64::from(micro_steps);
         let half = step / 2.0;

@@ -129,6 +129,13 @@ pub trait Scalar:
         (sum, (sum - self) - increment)
     }
 
+    /// The product to the nearest number: where products add up step by step, one rounded down would
+    /// push. Floats always are.
+    #[inline(always)]
+    fn nearest(self, other: Self) -> Self {
+        self * other
+    }
+
     /// Half of it.
     #[inline(always)]
     fn half(self) -> Self {

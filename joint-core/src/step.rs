@@ -361,8 +361,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let mobility = if WHICH == 1 { middle } else { outer };
             let lost = mass.damping.times(mobility);
             let x = lost.half();
-            let gained = force.times(mobility) - lost * mass.speed;
-            mass.speed = mass.speed + gained * (S::ONE - x + x * x);
+            let gained = force.times(mobility) - lost.nearest(mass.speed);
+            mass.speed = mass.speed + gained.nearest(S::ONE - x + x * x);
         }
     }
 }

@@ -127,12 +127,12 @@ impl<S: Scalar> RotorKick<S> {
     #[inline(always)]
     pub(crate) fn apply(&self, speed: S, current: S, force: S, damping: S, drive: S) -> (S, S) {
         let excess = current - drive;
-        let gained = (force - damping * speed).times(self.per_torque)
+        let gained = (force - damping.nearest(speed)).times(self.per_torque)
             + excess.times(self.per_excess)
             + drive.times(self.per_drive)
             - speed.times(self.induced);
         let x = damping.times(self.per_torque).half();
-        let new = speed + gained * (S::ONE - x + x * x);
+        let new = speed + gained.nearest(S::ONE - x + x * x);
         let current =
             drive + excess.times(self.decay) + speed.times(self.before) - new.times(self.after);
         (new, current)
