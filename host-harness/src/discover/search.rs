@@ -37,6 +37,10 @@ pub const LEAST_GAIN: f64 = 60.0;
 const LOST: f64 = 10.0;
 /// Times the expected noise from which on something is missing even if no score says what.
 const DOUBTED: f64 = 3.0;
+/// What a base must owe to its challengers for the round to be worth another look.
+const WORTH_ANOTHER: f64 = 20.0;
+/// Looks at one round.
+const LOOKS: usize = 3;
 /// Hypotheses that get a short refit, and how many of these a full one.
 const SHORT: usize = 5;
 const FULL: usize = 3;
@@ -87,6 +91,8 @@ pub struct Search {
     pub orders: Vec<f64>,
     /// What a score had to exceed, by round.
     pub chance: Vec<f64>,
+    /// Whether the base of the last round was as good as its parameters can make it.
+    pub settled: bool,
     /// Kinds that are not on the list.
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
@@ -114,6 +120,7 @@ pub fn search(
         scores: Vec::new(),
         orders: Vec::new(),
         chance: Vec::new(),
+        settled: true,
         withdrawn: withdrawn.to_vec(),
         expected,
     };
@@ -125,7 +132,7 @@ pub fn search(
         bar.set_message(format!("looking for an effect, round {round}"));
         let excess = excess(&search);
         if excess > LOST && add_protected(problem, &mut search, round)?
-            || add_one(problem, &mut search, round)?
+            || add_settled(problem, &mut search, round)?
             // Noise that swallows what is missing hides it from the plain test as well.
             || excess > DOUBTED && excess <= LOST && add_protected(problem, &mut search, round)?
         {
@@ -157,6 +164,24 @@ fn excess(search: &Search) -> f64 {
     (noise.torque / expected.torque).max(noise.drive / expected.drive)
 }
 
+/// Adds the best name; looks again where that only showed that the base could be fitted better.
+fn add_settled(
+    problem: Problem<'_>,
+    search: &mut Search,
+    round: usize,
+) -> Result<bool, BuildError> {
+    for _ in 0..LOOKS {
+        search.settled = true;
+        if add_one(problem, search, round)? {
+            return Ok(true);
+        }
+        if search.settled {
+            break;
+        }
+    }
+    Ok(false)
+}
+
 fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
     let base = search.after.clone();
     let Some(test) = ScoreTest::new(problem, &base.origin, &base.fit, TWINS) else {
@@ -170,6 +195,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         listed.par_iter().map(|line| (line.start.values[0], test.gain(line))).collect();
     let by_chance = threshold(gains.iter().chain(lines.iter().map(|(_, gain)| gain)));
     let least = by_chance.max(LEAST_GAIN);
+    search.scores.retain(|row| row.round != round);
     if round == 1 {
         search.orders = told(&lines, &gains, by_chance);
     }
@@ -237,9 +263,30 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         return Ok(false);
     }
     let mut stages = full.into_iter().map(|(_, stage)| stage);
-    search.after = stages.next().unwrap_or(base);
-    let (rivals, runner_up) = (rivals.to_vec(), stages.next());
-    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals, runner_up });
+    let Some(won) = stages.next() else { return Ok(false) };
+    // A winner may owe its gain to a better fit of all the rest: then the base gets that fit as well.
+    let place = base.fit.model.effects.len();
+    let start = without(&won.fit.model, place);
+    let (moved, noise) = (&base.fit.coordinates, &won.fit.noise);
+    let plain = refit::polish(&problem, &base.origin, &start, moved, &search.expected, noise)?;
+    let owed = (level - cost(&plain)).max(0.0);
+    let (winner, rivals) = (winner.gain - owed, rivals.to_vec());
+    if owed > 0.0 {
+        let plain = Stage { fit: plain, origin: base.origin };
+        if search.rounds.is_empty() {
+            search.before = plain.clone();
+        }
+        if winner < least {
+            search.after = plain;
+            search.settled = owed < WORTH_ANOTHER;
+            return Ok(false);
+        }
+    }
+    let less = |rival: Contender| Contender { gain: rival.gain - owed, ..rival };
+    let rivals = rivals.into_iter().map(less).collect();
+    let runner_up = stages.next();
+    search.rounds.push(Round { name: contenders[0].name, gain: winner, rivals, runner_up });
+    search.after = won;
     Ok(true)
 }
 

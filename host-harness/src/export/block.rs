@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use firmware::block::{BlockError, PAGE_BYTES, encode};
 use firmware::parameters::{DriveJoint, Parameters, Sensing};
 use firmware::{admissible, session};
-use joint_core::joint::Settings;
 use joint_core::observer::{Gains, Observer};
 use joint_core::params::Stage;
 
@@ -13,6 +12,7 @@ use super::{DriveOptions, ExportError};
 use crate::model::Model;
 use crate::observe::design::{Tuning, design};
 use crate::observe::rating::Rating;
+use crate::observe::run::settings;
 
 /// The block's bytes.
 ///
@@ -31,8 +31,7 @@ pub fn block(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportErr
 fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError> {
     let stages: &[Stage; N] =
         model.stages.as_slice().try_into().map_err(|_| ExportError::Stages(N))?;
-    let settings =
-        Settings { effects: &model.effects, ..Settings::new(options.drive, options.period_s) };
+    let settings = settings(model, options.drive, options.period_s);
     let joint = DriveJoint::<N>::new(&model.motor, stages, &model.load, &settings)
         .map_err(|error| ExportError::Parameter(error.to_string()))?;
     let mut rating = Rating::of(model, options.drive);

@@ -7,6 +7,7 @@ use joint_core::params::ParameterError;
 use joint_core::scalar::Scalar;
 
 use crate::model::Model;
+use crate::plant::micro_steps;
 
 /// What the observer is given at one sampling instant, exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,16 @@ pub struct Found<const N: usize> {
     pub output_angle: f64,
 }
 
+/// How an observer's joint is stepped: measurements correct every sample, so that one step need be
+/// right, not a whole run.
+pub fn settings(model: &Model, kind: Drive, step_s: f64) -> Settings<'_> {
+    Settings {
+        micro_steps: Some(micro_steps(model, step_s)),
+        effects: &model.effects,
+        ..Settings::new(kind, step_s)
+    }
+}
+
 /// An observer of a model.
 ///
 /// # Errors
@@ -41,7 +52,7 @@ pub fn observer<S: Scalar, const N: usize>(
     design: &Design<N>,
 ) -> Result<Observer<S, N, EffectSet<S>>, ParameterError> {
     let stages: [_; N] = std::array::from_fn(|k| model.stages[k]);
-    let settings = Settings { effects: &model.effects, ..Settings::new(kind, step_s) };
+    let settings = settings(model, kind, step_s);
     let joint = Joint::<S, N, EffectSet<S>>::new(&model.motor, &stages, &model.load, &settings)?;
     let gains = Gains::new(design, &model.motor, &stages, kind, step_s);
     Ok(Observer { joint, gains })
