@@ -3,6 +3,7 @@
 //! The firmware is built, run in QEMU where instructions are counted exactly, and its ELF files are
 //! measured; `budgets.toml` in the workspace's root holds the limits.
 
+mod observer;
 mod period;
 
 use std::collections::BTreeMap;
@@ -88,11 +89,19 @@ fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
         Some(folder) => root.join(folder).join("qemu"),
         None => root.join("target/qemu"),
     };
-    build(root, &target, HARD, &["--bin", "count", "--bin", "replay", "--bin", "hil"])?;
+    build(
+        root,
+        &target,
+        HARD,
+        &["--bin", "count", "--bin", "replay", "--bin", "hil", "--bin", "observe"],
+    )?;
     build(root, &target, SOFT, &["--bin", "count_fixed"])?;
     let elf = |triple: &str, program: &str| target.join(triple).join("release").join(program);
     let folder = tempfile::tempdir().map_err(|error| Failure::check(error.to_string()))?;
+    let [observer, log] = observer::files()?;
     let files = [
+        ("parameters.bin", observer),
+        ("log.bin", log),
         ("joint.bin", fixed_block()?),
         ("page.bin", period::parameters()?),
         ("samples.bin", period::samples()?),
@@ -105,6 +114,10 @@ fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
     let mut rows = values(&emulate(&elf(HARD, "count"), folder.path(), "count", false)?);
     let arguments = "count_fixed,arg=joint.bin";
     rows.extend(values(&emulate(&elf(SOFT, "count_fixed"), folder.path(), arguments, false)?));
+    let arguments = "observe,arg=parameters.bin,arg=log.bin,arg=estimates.bin";
+    let observed = values(&emulate(&elf(HARD, "observe"), folder.path(), arguments, false)?);
+    let update = observed.get("update_instructions").copied();
+    rows.extend(update.map(|count| ("observer_f32_instructions".to_owned(), count)));
     let arguments = "hil,arg=samples.bin,arg=commands.bin,arg=frames.bin";
     let said = emulate(&elf(HARD, "hil"), folder.path(), arguments, true)?;
     if !said.contains("parameters=accepted") {
