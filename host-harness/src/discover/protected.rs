@@ -12,7 +12,7 @@ use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
 use super::score_test::{Gain, ScoreTest};
-use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, threshold, title};
+use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, believable, threshold, title};
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::Problem;
@@ -22,7 +22,7 @@ use crate::plant::BuildError;
 /// How much less than expected the model is trusted beside the push.
 const DISTRUST: f64 = 2.0;
 /// Hypotheses that are fitted beside the push.
-const FITTED: usize = 4;
+const FITTED: usize = 5;
 
 /// Adds the effect that explains most beside a push, if it holds without it.
 ///
@@ -50,7 +50,7 @@ pub fn add_protected(
     let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
     let least = threshold(gains.iter()).max(LEAST_GAIN);
     let mut ranked: Vec<(&Hypothesis, f64)> =
-        hypotheses.iter().zip(gains.iter().map(|gain| gain.real / gain.luck())).collect();
+        hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (hypothesis, score) in ranked.into_iter().filter(|(_, gain)| *gain > least) {
@@ -64,7 +64,10 @@ pub fn add_protected(
         let start = hypothesis.added(&protected.model);
         let fit = beside.fit(&origin, &start, &coordinates, &wary, 5)?;
         let fit = refit::polish(&problem, &origin, &fit.model, &coordinates, &expected, &wary)?;
-        let gain = cost(&base.fit) - cost(&fit);
+        let gain = match believable(&fit.model) {
+            true => cost(&base.fit) - cost(&fit),
+            false => f64::NEG_INFINITY,
+        };
         search.scores.push(ScoreRow {
             round,
             name: title(hypothesis.name()),

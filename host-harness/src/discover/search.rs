@@ -131,8 +131,8 @@ pub fn search(
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
         let excess = excess(&search);
-        if excess > LOST && add_protected(problem, &mut search, round)?
-            || add_settled(problem, &mut search, round)?
+        if excess > LOST && add_either(problem, &mut search, round)?
+            || excess <= LOST && add_settled(problem, &mut search, round)?
             // Noise that swallows what is missing hides it from the plain test as well.
             || excess > DOUBTED && excess <= LOST && add_protected(problem, &mut search, round)?
         {
@@ -162,6 +162,21 @@ pub fn search(
 fn excess(search: &Search) -> f64 {
     let (noise, expected) = (&search.after.fit.noise, &search.expected);
     (noise.torque / expected.torque).max(noise.drive / expected.drive)
+}
+
+/// Adds what explains more: the best name of the plain test, or the best beside a push. A push takes
+/// with it what changes slowly, a lost fit bends to what is large.
+fn add_either(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
+    let mut beside = search.clone();
+    let (plain, protected) = rayon::join(
+        || add_settled(problem, search, round),
+        || add_protected(problem, &mut beside, round),
+    );
+    let (plain, protected) = (plain?, protected?);
+    if protected && (!plain || cost(&beside.after.fit) < cost(&search.after.fit)) {
+        *search = beside;
+    }
+    Ok(plain || protected)
 }
 
 /// Adds the best name; looks again where that only showed that the base could be fitted better.
@@ -200,22 +215,25 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         search.orders = told(&lines, &gains, by_chance);
     }
     search.chance.push(least);
-    let mut ranked: Vec<(&Hypothesis, f64)> =
-        hypotheses.iter().zip(gains.iter().map(|gain| gain.real / gain.luck())).collect();
-    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut best_of_name: Vec<(&Hypothesis, f64)> = Vec::new();
+    let mut ranked: Vec<(&Hypothesis, &Gain)> = hypotheses.iter().zip(&gains).collect();
+    ranked.sort_by(|a, b| b.1.real.total_cmp(&a.1.real));
+    let mut best_of_name: Vec<(&Hypothesis, &Gain)> = Vec::new();
     for (hypothesis, gain) in ranked {
         if !best_of_name.iter().any(|(known, _)| known.name() == hypothesis.name()) {
             best_of_name.push((hypothesis, gain));
         }
     }
-    for (hypothesis, score) in &best_of_name {
+    for (hypothesis, gain) in &best_of_name {
         let name = title(hypothesis.name());
-        search.scores.push(ScoreRow { round, name, score: *score, refitted: None });
+        search.scores.push(ScoreRow { round, name, score: gain.real, refitted: None });
     }
 
-    let promising: Vec<&(&Hypothesis, f64)> =
-        best_of_name.iter().filter(|(_, gain)| *gain > least).take(SHORT).collect();
+    let promising: Vec<(&Hypothesis, f64)> = best_of_name
+        .into_iter()
+        .filter(|(_, gain)| gain.real > least * gain.luck())
+        .map(|(hypothesis, gain)| (hypothesis, gain.real))
+        .take(SHORT)
+        .collect();
     let mut short = promising
         .par_iter()
         .map(|(hypothesis, score)| {
@@ -242,6 +260,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
             Ok((hypothesis, Stage { fit, origin }))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
+    full.retain(|(_, stage)| believable(&stage.fit.model));
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.
     let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
@@ -288,6 +307,17 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     search.rounds.push(Round { name: contenders[0].name, gain: winner, rivals, runner_up });
     search.after = won;
     Ok(true)
+}
+
+/// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
+/// that sees the future.
+pub fn believable(model: &Model) -> bool {
+    let Some(effect) = model.effects.last() else { return true };
+    let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
+    let inside = values.all(|(spec, value)| {
+        (value > spec.low || spec.low == 0.0) && (value < spec.high || spec.high == 0.0)
+    });
+    inside && (effect.kind != Kind::SensorDelay || effect.values[0] >= 0.0)
 }
 
 /// The orders that are worth telling, strongest first.

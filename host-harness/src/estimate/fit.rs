@@ -1,10 +1,10 @@
 //! Refitting: the parameters, and optionally some effects, that make the whitened innovations
 //! smallest, with a prior on each.
 //!
-//! Gauss–Newton with Levenberg's damping on frozen gains; gains and derivatives are taken anew when
-//! the model has moved, and corrected by what each step shows in between. The first rounds trust the
-//! model little (large process noise), so that a model wrong by per cents is pulled in by every
-//! sample on its own; the last ones use the noise that the record itself shows.
+//! Gauss–Newton with Levenberg's damping on frozen gains; the gains are designed anew at every
+//! accepted point. The first rounds trust the model little (large process noise), so that a model
+//! wrong by per cents is pulled in by every sample on its own; the last ones use the noise that the
+//! record itself shows.
 
 use std::borrow::Cow;
 
@@ -17,13 +17,6 @@ use super::record::{CHANNELS, Channel, Record};
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::{BuildError, plant};
-
-/// How far a coordinate may move, in its own unit, before gains and derivatives are taken anew for
-/// the last refinement, and before derivatives are in any case.
-const NEAR: f64 = 0.02;
-const FAR: f64 = 0.2;
-/// What of minus twice the log-likelihood a step must gain to be followed by another.
-const ENOUGH: f64 = 0.3;
 
 /// A model fitted to a record.
 #[derive(Clone, Debug)]
@@ -54,6 +47,9 @@ pub struct Problem<'a> {
     /// A push on one equation that wanders and is estimated along, so that what the equation
     /// misses does not bend the parameters; `None` believes the model.
     pub push: Option<Walk>,
+    /// Whether a step counts only if the filter designed at its end is better as well: slower, and
+    /// for a record in which nothing is missing.
+    pub cautious: bool,
 }
 
 /// The random constants that every filter carries: an encoder zeroed at the start of a log knows
@@ -69,7 +65,12 @@ pub fn standing_walks(record: &Record) -> Vec<Walk> {
 impl<'a> Problem<'a> {
     /// A record fitted to over a mask, with a model that is believed.
     pub fn new(record: &'a Record, mask: &'a [f64]) -> Self {
-        Self { record, mask, push: None }
+        Self { record, mask, push: None, cautious: false }
+    }
+
+    /// The same with every step proven.
+    pub fn cautious(self) -> Self {
+        Self { cautious: true, ..self }
     }
 
     /// The same with a push on one equation.
@@ -195,103 +196,70 @@ impl<'a> Problem<'a> {
         noise: &Noise,
         rounds: usize,
     ) -> Result<Fit, BuildError> {
-        let precision = precision(coordinates);
-        let offset = |model: &Model| offset(coordinates, origin, model);
-        let prior = |at: &DVector<f64>| at.component_mul(at).component_mul(&precision).sum();
-        let designed = |model: &Model| -> Result<Point, BuildError> {
-            let (gains, innovations, deviance) = self.design(model, noise)?;
-            let cost = deviance + prior(&offset(model));
-            Ok(Point { model: model.clone(), gains, innovations, deviance, cost })
+        let (mut gains, mut innovations, mut deviance) = self.design(start, noise)?;
+        let mut model = start.clone();
+        let precision = DVector::from_iterator(
+            coordinates.len(),
+            coordinates.iter().map(|c| c.prior_sigma().powi(-2)),
+        );
+        let offset = |model: &Model| {
+            DVector::from_iterator(
+                coordinates.len(),
+                coordinates.iter().map(|c| c.distance(origin, model)),
+            )
         };
-        // Where the filter was last designed, and how far the search has gone on from there with its
-        // gains.
-        let mut best = designed(start)?;
-        let (mut model, mut innovations) = (best.model.clone(), best.innovations.clone());
-        let (mut stale, mut failed) = (0.0, 0);
         let mut damping = 1e-3;
-        let mut derivative: Option<Derivative> = None;
-        let mut taken = 0;
-        let mut searching = true;
-        while searching {
+        for _ in 0..rounds {
+            if interrupt::asked() {
+                break;
+            }
             let residual = self.residual(&innovations);
-            let own = match &mut derivative {
-                Some(own) => own,
-                None if taken == rounds || interrupt::asked() => break,
-                None => {
-                    taken += 1;
-                    let here = Some(&residual);
-                    let jacobian = self.sensitivity(&model, &best.gains, coordinates, here);
-                    derivative.insert(Derivative { jacobian, moved: 0.0 })
-                }
-            };
+            let jacobian = self.sensitivity(&model, &gains, coordinates, Some(&residual));
             let at = offset(&model);
-            let gradient = own.jacobian.tr_mul(&residual) + precision.component_mul(&at);
-            let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
-            let before = self.sum_of_squares(&innovations) + prior(&at);
-            let fresh = own.moved == 0.0;
-            let mut gained = None;
-            for _ in 0..if fresh { 6 } else { 1 } {
+            let gradient = jacobian.tr_mul(&residual) + precision.component_mul(&at);
+            let curvature = jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision);
+            let prior = |model: &Model| {
+                let at = offset(model);
+                at.component_mul(&at).component_mul(&precision).sum()
+            };
+            let before = self.sum_of_squares(&innovations) + prior(&model);
+            let likely = deviance + prior(&model);
+            let mut gained = 0.0;
+            for _ in 0..6 {
                 let mut damped = curvature.clone();
                 for k in 0..coordinates.len() {
                     damped[(k, k)] += damping * curvature[(k, k)];
                 }
                 let Some(step) = damped.cholesky().map(|c| -c.solve(&gradient)) else { break };
-                let limited = coordinates.iter().zip(step.iter()).map(|(c, step)| c.limited(*step));
-                let step = DVector::from_iterator(coordinates.len(), limited);
                 let mut moved = model.clone();
                 for (coordinate, step) in coordinates.iter().zip(step.iter()) {
-                    coordinate.shift(&mut moved, *step);
+                    coordinate.shift(&mut moved, coordinate.limited(*step));
                 }
-                let after = self.innovations(&moved, &best.gains).ok().map(|rows| {
-                    let cost = self.sum_of_squares(&rows) + prior(&offset(&moved));
-                    (rows, cost)
-                });
-                if let Some((rows, after)) = after.filter(|(_, after)| *after < before) {
-                    let promised = -(2.0 * gradient.dot(&step) + step.dot(&(&curvature * &step)));
-                    own.turn(&step, &(self.residual(&rows) - &residual));
-                    (model, innovations) = (moved, rows);
-                    stale += step.amax();
-                    damping = (damping * 0.1).max(1e-9);
-                    gained = Some((before - after, promised));
-                    break;
+                let after = match self.innovations(&moved, &gains) {
+                    Ok(rows) => self.sum_of_squares(&rows) + prior(&moved),
+                    Err(_) => f64::INFINITY,
+                };
+                if after < before {
+                    // What frozen gains promise must hold for the filter designed at the new point.
+                    let (g, i, d) = self.design(&moved, noise)?;
+                    let found = d + prior(&moved);
+                    if found < likely || !self.cautious {
+                        (gains, innovations, deviance) = (g, i, d);
+                        model = moved;
+                        gained = if self.cautious { likely - found } else { before - after };
+                        damping = (damping * 0.1).max(1e-9);
+                        break;
+                    }
                 }
                 damping *= 10.0;
             }
-            let moved = own.moved;
-            match gained {
-                None if fresh => searching = false,
-                None => derivative = None,
-                Some((gained, _)) if gained < ENOUGH && moved < NEAR => searching = false,
-                Some((gained, promised)) => {
-                    if gained < ENOUGH || gained < 0.5 * promised || moved > FAR {
-                        derivative = None;
-                    }
-                }
-            }
-            if stale > NEAR || (!searching && stale > 0.0) {
-                // What frozen gains promise must hold for the filter designed at the new point.
-                let here = designed(&model)?;
-                if here.cost < best.cost {
-                    best = here;
-                } else {
-                    failed += 1;
-                    damping = (damping * 1e3).min(1e3);
-                    derivative = None;
-                    searching = failed < 3;
-                }
-                (model, innovations, stale) = (best.model.clone(), best.innovations.clone(), 0.0);
+            if gained < 0.3 {
+                break;
             }
         }
-        if stale > 0.0 {
-            let here = designed(&model)?;
-            if here.cost < best.cost {
-                best = here;
-            }
-        }
-        let Point { model, gains, innovations, deviance, .. } = best;
         let at = offset(&model);
         Ok(Fit {
-            prior: prior(&at),
+            prior: at.component_mul(&at).component_mul(&precision).sum(),
             model,
             coordinates: coordinates.to_vec(),
             noise: *noise,
@@ -304,47 +272,10 @@ impl<'a> Problem<'a> {
     /// Inverse of the posterior's curvature at a fit: covariance of its coordinates.
     pub fn covariance(&self, fit: &Fit) -> DMatrix<f64> {
         let jacobian = self.sensitivity(&fit.model, &fit.gains, &fit.coordinates, None);
-        let curvature =
-            jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision(&fit.coordinates));
+        let precision = fit.coordinates.iter().map(|c| c.prior_sigma().powi(-2));
         let count = fit.coordinates.len();
+        let precision = DVector::from_iterator(count, precision);
+        let curvature = jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision);
         curvature.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse())
     }
-}
-
-/// A model with the filter designed at it.
-struct Point {
-    model: Model,
-    gains: Gains,
-    innovations: Vec<[f64; CHANNELS]>,
-    deviance: f64,
-    cost: f64,
-}
-
-/// How the residual changes with the coordinates, and how far the model has moved since this was
-/// measured.
-struct Derivative {
-    jacobian: DMatrix<f64>,
-    moved: f64,
-}
-
-impl Derivative {
-    /// Broyden's correction: what a step has shown of the change along it.
-    fn turn(&mut self, step: &DVector<f64>, change: &DVector<f64>) {
-        let length = step.norm_squared();
-        if length > 0.0 {
-            let missed = change - &self.jacobian * step;
-            self.jacobian.ger(1.0 / length, &missed, step, 1.0);
-        }
-        self.moved += step.amax().max(f64::MIN_POSITIVE);
-    }
-}
-
-fn precision(coordinates: &[Coordinate]) -> DVector<f64> {
-    let precision = coordinates.iter().map(|c| c.prior_sigma().powi(-2));
-    DVector::from_iterator(coordinates.len(), precision)
-}
-
-fn offset(coordinates: &[Coordinate], origin: &Model, model: &Model) -> DVector<f64> {
-    let distance = coordinates.iter().map(|c| c.distance(origin, model));
-    DVector::from_iterator(coordinates.len(), distance)
 }

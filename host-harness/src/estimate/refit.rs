@@ -6,9 +6,9 @@
 //! slope, so the search begins with that one, and trust grows on the way. What even that one hardly
 //! sees is the scale of a whole stage: spring, inertia and friction times one factor move the same
 //! way and only push differently on the mass ahead. The inertias behind gears, which a drawing gives
-//! best, are held until the springs fit them. Where that ends with more
-//! noise than one believes, springs are tried stiffer and softer besides: twenty per cent off puts
-//! the chain's modes out of phase with the record.
+//! best, are held until the springs fit them. This holds for a record in which nothing is missing:
+//! elsewhere, and where it ends with more noise than one believes, springs are tried stiffer and
+//! softer: twenty per cent off puts the chain's modes out of phase with the record.
 
 use rayon::prelude::*;
 
@@ -58,7 +58,7 @@ pub fn resettle(
     let mut start = start.clone();
     let held = |c: &&Coordinate| !matches!(c, Coordinate::Parameter(Quantity::Inertia(1..)));
     let scaled: Vec<Coordinate> = coordinates.iter().filter(held).copied().collect();
-    for distrust in COOLING {
+    for distrust in if problem.cautious { &COOLING[..] } else { &[] } {
         let (drive, torque) = (distrust * expected.drive, distrust * expected.torque);
         let loose = Noise { drive, torque, ..expected };
         start = problem.fit(origin, &start, &scaled, &loose, COOLING_ROUNDS)?.model;
@@ -71,7 +71,8 @@ pub fn resettle(
         ..apparent
     };
     let mut best = problem.fit(origin, &start, coordinates, &wide, 3)?;
-    let trials = if doubtful(&apparent, &expected) { origin.stages.len() } else { 0 };
+    let settled = problem.cautious && !doubtful(&apparent, &expected);
+    let trials = if settled { 0 } else { origin.stages.len() };
     for stage in (0..trials).rev() {
         let from = best.model.clone();
         let spring = Quantity::Stiffness(stage);

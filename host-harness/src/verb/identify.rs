@@ -49,7 +49,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let coarse = Record::new(&log, None);
     let record = coarse.refined(micro_steps(&model, coarse.grid.interval(0)).max(2));
     let mask = vec![1.0; record.len()];
-    let problem = Problem::new(&record, &mask);
+    let problem = Problem::new(&record, &mask).cautious();
     let fit = refit::refit(&problem, &model).map_err(|error| Failure::input(error.to_string()))?;
     bar.finish_and_clear();
     let rows = rows(&model, &fit, &problem.covariance(&fit));
