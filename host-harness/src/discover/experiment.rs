@@ -78,6 +78,8 @@ pub struct Experiment {
     pub time_s: Vec<f64>,
     /// Volts or amperes.
     pub values: Vec<f64>,
+    /// Rotor angle that the improved model expects, rad.
+    pub expected_rad: Vec<f64>,
     /// Log-likelihood by which the rivals would be told apart, before their refits.
     pub worth: f64,
     /// The same with an encoder behind the last stage, where the log had none.
@@ -85,13 +87,14 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// As an input that `joint simulate` and a bench take.
+    /// As an input that `joint simulate` and a bench take, with the angle that is to be expected.
     pub fn csv(&self) -> String {
         use std::fmt::Write as _;
         let column = if self.drive == Drive::Voltage { "u_v" } else { "i_a" };
         let mut text = format!("t_s,{column},motor_angle_rad\n");
-        for (time, value) in self.time_s.iter().zip(&self.values) {
-            let _ = writeln!(text, "{time:.6},{value:.5},");
+        let rows = self.time_s.iter().zip(&self.values).zip(&self.expected_rad);
+        for ((time, value), angle) in rows {
+            let _ = writeln!(text, "{time:.6},{value:.5},{angle:.6}");
         }
         text
     }
@@ -134,6 +137,7 @@ pub fn experiment(
             Ok(Some(Experiment {
                 name: excitation.name,
                 drive: input.drive,
+                expected_rad: path(&rivals[0].fit.model, &input)?,
                 time_s: input.time_s,
                 values: input.drive_values,
                 worth,
@@ -175,7 +179,7 @@ fn stays(input: &mut Record, rivals: [&Stage; 2], travel: f64) -> Result<bool, B
     for _ in 0..SHRINKS {
         let mut within = true;
         for rival in rivals {
-            within &= farthest(&rival.fit.model, input)? <= travel;
+            within &= path(&rival.fit.model, input)?.iter().all(|angle| angle.abs() <= travel);
         }
         if within {
             return Ok(true);
@@ -185,15 +189,16 @@ fn stays(input: &mut Record, rivals: [&Stage; 2], travel: f64) -> Result<bool, B
     Ok(false)
 }
 
-fn farthest(model: &Model, input: &Record) -> Result<f64, BuildError> {
+/// The rotor's angle along an excitation, rad.
+fn path(model: &Model, input: &Record) -> Result<Vec<f64>, BuildError> {
     let plant = plant(model, &input.grid, input.drive)?;
     let mut state = vec![0.0; Layout::of(model).len()];
-    let mut farthest = 0.0_f64;
-    for k in 0..input.len() {
+    let angle = |k: usize| {
+        let here = state[Layout::ANGLE];
         plant.propagate(k, &mut state, input.drive_values[k], 0.0);
-        farthest = farthest.max(state[Layout::ANGLE].abs());
-    }
-    Ok(if farthest.is_finite() { farthest } else { f64::INFINITY })
+        here
+    };
+    Ok((0..input.len()).map(angle).collect())
 }
 
 /// What the wrong model loses on records of either, on average, in log-likelihood.
