@@ -310,14 +310,15 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
 }
 
 /// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
-/// that sees the future.
+/// that sees the future. Behind gears two encoders may stand, of which only the difference is known.
 pub fn believable(model: &Model) -> bool {
     let Some(effect) = model.effects.last() else { return true };
     let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
     let inside = values.all(|(spec, value)| {
         (value > spec.low || spec.low == 0.0) && (value < spec.high || spec.high == 0.0)
     });
-    inside && (effect.kind != Kind::SensorDelay || effect.values[0] >= 0.0)
+    let ahead = effect.kind == Kind::SensorDelay && effect.values[0] < 0.0;
+    inside && !(ahead && model.stages.is_empty())
 }
 
 /// The orders that are worth telling, strongest first.
