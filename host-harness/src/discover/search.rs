@@ -91,8 +91,6 @@ pub struct Search {
     pub orders: Vec<f64>,
     /// What a score had to exceed, by round.
     pub chance: Vec<f64>,
-    /// Whether the base of the last round was as good as its parameters can make it.
-    pub settled: bool,
     /// Kinds that are not on the list.
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
@@ -120,7 +118,6 @@ pub fn search(
         scores: Vec::new(),
         orders: Vec::new(),
         chance: Vec::new(),
-        settled: true,
         withdrawn: withdrawn.to_vec(),
         expected,
     };
@@ -186,21 +183,29 @@ fn add_settled(
     round: usize,
 ) -> Result<bool, BuildError> {
     for _ in 0..LOOKS {
-        search.settled = true;
-        if add_one(problem, search, round)? {
-            return Ok(true);
-        }
-        if search.settled {
-            break;
+        match add_one(problem, search, round)? {
+            Look::Added => return Ok(true),
+            Look::Nothing => break,
+            Look::BetterBase => {}
         }
     }
     Ok(false)
 }
 
-fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
+/// What one look at a round gave.
+enum Look {
+    /// A name.
+    Added,
+    /// No name.
+    Nothing,
+    /// No name, but a base that fits so much better that another look is worth it.
+    BetterBase,
+}
+
+fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Look, BuildError> {
     let base = search.after.clone();
     let Some(test) = ScoreTest::new(problem, &base.origin, &base.fit, TWINS) else {
-        return Ok(false);
+        return Ok(Look::Nothing);
     };
     let scene = Scene::new(&base.fit.model, problem.record, &test);
     let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
@@ -277,12 +282,12 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
             row.refitted = Some(contender.gain);
         }
     }
-    let Some((winner, rivals)) = contenders.split_first() else { return Ok(false) };
+    let Some((winner, rivals)) = contenders.split_first() else { return Ok(Look::Nothing) };
     if winner.gain.is_nan() || winner.gain < least {
-        return Ok(false);
+        return Ok(Look::Nothing);
     }
     let mut stages = full.into_iter().map(|(_, stage)| stage);
-    let Some(won) = stages.next() else { return Ok(false) };
+    let Some(won) = stages.next() else { return Ok(Look::Nothing) };
     // A winner may owe its gain to a better fit of all the rest: then the base gets that fit as well.
     let place = base.fit.model.effects.len();
     let start = without(&won.fit.model, place);
@@ -297,8 +302,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
         }
         if winner < least {
             search.after = plain;
-            search.settled = owed < WORTH_ANOTHER;
-            return Ok(false);
+            return Ok(if owed < WORTH_ANOTHER { Look::Nothing } else { Look::BetterBase });
         }
     }
     let less = |rival: Contender| Contender { gain: rival.gain - owed, ..rival };
@@ -306,7 +310,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bo
     let runner_up = stages.next();
     search.rounds.push(Round { name: contenders[0].name, gain: winner, rivals, runner_up });
     search.after = won;
-    Ok(true)
+    Ok(Look::Added)
 }
 
 /// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor

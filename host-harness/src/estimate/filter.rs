@@ -8,6 +8,7 @@
 
 use std::borrow::Cow;
 
+pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
 use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
@@ -16,84 +17,6 @@ use crate::plant::{Layout, Plant, inertias, output_shaft};
 /// Samples over which a speed is taken behind a gap, and how much less is known there than at rest.
 const CATCH: usize = 8;
 const UNKNOWN: f64 = 10.0;
-
-/// A slow, unknown push on one equation of the joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Equation {
-    /// A voltage beside the applied one, V (a current, A, where the current is imposed).
-    Voltage,
-    /// A torque on one mass, reflected to the motor, Nm; 0 is the rotor.
-    Torque(usize),
-    /// What a sensor shows beside the truth.
-    Sensor(Channel),
-}
-
-/// A random walk on one equation, as an extra state of the filter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walk {
-    /// Where it acts.
-    pub equation: Equation,
-    /// Its one sigma at the start.
-    pub initial: f64,
-    /// Its one sigma per root second.
-    pub rate: f64,
-}
-
-/// One sigma of every noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    /// Voltage (or imposed current) beside the known one, held for a sample.
-    pub drive: f64,
-    /// Torque on the rotor beside the known ones, Nm, held for a sample.
-    pub torque: f64,
-    /// The sensors.
-    pub sensors: [f64; CHANNELS],
-}
-
-/// The filter's gains along a record, and the scale of its innovations.
-#[derive(Clone, Debug)]
-pub struct Gains {
-    pub(super) order: usize,
-    /// By sample and channel: gain of the state on the innovation divided by its sigma.
-    pub(super) gain: Vec<f64>,
-    /// By sample and channel: one over the innovation's sigma, zero where nothing is measured.
-    pub(super) weight: Vec<[f64; CHANNELS]>,
-    pub(super) walks: Vec<Walk>,
-}
-
-impl Gains {
-    /// Sum of the logarithms of the innovations' variances over the samples of a mask.
-    pub fn log_variance(&self, mask: &[f64]) -> f64 {
-        let log = |weight: &f64| if *weight > 0.0 { -2.0 * weight.ln() } else { 0.0 };
-        self.weight
-            .iter()
-            .zip(mask)
-            .map(|(row, mask)| mask * row.iter().map(log).sum::<f64>())
-            .sum()
-    }
-}
-
-/// What a filter makes of a record.
-#[derive(Clone, Debug)]
-pub struct Run {
-    /// Whitened innovations by sample and channel; zero where nothing is measured.
-    pub innovations: Vec<[f64; CHANNELS]>,
-    /// State estimates after each sample's measurements, the walks last.
-    pub states: Vec<Vec<f64>>,
-    /// Minus twice the log-likelihood.
-    pub deviance: f64,
-}
-
-/// How the joint's next state follows from the present one along a record: what a design takes its
-/// time for. Designs at other noise or with other walks can share it, as their trajectories differ
-/// by noise alone.
-#[derive(Clone, Debug, Default)]
-pub struct Linearisation {
-    /// By sample: derivative of each state with each.
-    pub(super) transition: Vec<f64>,
-    /// By sample: derivative of each state with the drive.
-    pub(super) drive: Vec<f64>,
-}
 
 /// A joint seen through its sensors.
 pub struct Observer<'a> {

@@ -10,6 +10,7 @@ pub mod adjoint;
 pub mod coordinates;
 pub mod filter;
 pub mod fit;
+pub mod gains;
 pub mod late;
 pub mod noise;
 pub mod parameters;
