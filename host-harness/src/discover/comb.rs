@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn the_lines_of_a_push_are_found_over_one_turn_with_their_phases() {
-        let angle: Vec<f64> = (0..4000).map(|k| 6.28 * f64::from(k) / 4000.0).collect();
+        let angle: Vec<f64> = (0..4000).map(|k| 6.3 * f64::from(k) / 4000.0).collect();
         let push: Vec<f64> = angle
             .iter()
             .map(|q| 0.3 - 2.0 * (7.0 * q + 0.4).sin() - (28.0 * q - 1.0).sin())
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_push_without_lines_gives_none() {
-        let angle: Vec<f64> = (0..4000).map(|k| 6.28 * f64::from(k) / 4000.0).collect();
+        let angle: Vec<f64> = (0..4000).map(|k| 6.3 * f64::from(k) / 4000.0).collect();
         let mut noise = 1_u64;
         let mut white = || {
             noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
