@@ -2,7 +2,7 @@
 //! precision, or outgrow its chip.
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use joint_tests::elf::Program;
 use joint_tests::qemu::{self, Board};
@@ -35,14 +35,8 @@ const INTERRUPT_FRAME: u64 = 104;
 
 fn build(features: &str) -> (Output, PathBuf) {
     let target = qemu::target_folder().join("boards").join(features.replace(',', "-"));
-    let output = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()))
-        .current_dir(qemu::workspace())
-        .args(["build", "--release", "--package", "firmware", "--bin", "drive"])
-        .args(["--no-default-features", "--features", features])
-        .args(["--target", qemu::TARGET, "--target-dir"])
-        .arg(qemu::target_folder())
-        .output()
-        .unwrap();
+    let drive = ["--package", "firmware", "--bin", "drive", "--no-default-features"];
+    let output = qemu::cargo_build(qemu::TARGET, &[&drive[..], &["--features", features]].concat());
     let built = qemu::target_folder().join(qemu::TARGET).join("release/drive");
     if output.status.success() {
         std::fs::create_dir_all(&target).unwrap();
