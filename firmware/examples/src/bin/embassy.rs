@@ -3,7 +3,8 @@
 //!
 //! It only listens: TIM1 paces the converter, and no pin of an output stage is touched. The board is
 //! ST's B-G431B-ESC1 (`embassy-g431`, frames at the virtual serial port of its debugger) or one wired
-//! as ODrive v3.6's first motor (`embassy-f405`, frames at PA9), 2 Mbaud each, for `joint monitor`.
+//! as ODrive v3.6's first motor (`embassy-f405`, frames at PA0, its GPIO1), 2 Mbaud each, for
+//! `joint monitor`.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

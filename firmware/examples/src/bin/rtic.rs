@@ -1,8 +1,9 @@
 //! The observer in an RTIC program: a control task at 20 kHz, and a task below it that sends frames.
 //!
 //! On an STM32F405, with frames at USART1's TX (PA9, 2 Mbaud) for `joint monitor`. A joint stands in
-//! for converter and encoder, so that it runs on any board, and in QEMU's netduinoplus2; where
-//! `StandIn::read` is called, a drive reads its own.
+//! for converter and encoder, so that a bare board will do, and QEMU's netduinoplus2; where
+//! `StandIn::read` is called, a drive reads its own. On a drive PA9 mostly belongs to the output
+//! stage: take another port there.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -2,7 +2,7 @@
 
 use cortex_m::singleton;
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, SampleTime};
-use embassy_stm32::interrupt::Interrupt;
+use embassy_stm32::interrupt::{Interrupt, Priority};
 use embassy_stm32::opamp::{OpAmp, OpAmpGain, OpAmpSpeed};
 use embassy_stm32::pac::adc::vals::Exten;
 use embassy_stm32::peripherals::{DMA1_CH1, OPAMP1, OPAMP3, TIM4};
@@ -37,6 +37,8 @@ pub(crate) fn start() -> Parts {
     config.rcc.sys = rcc::Sysclk::PLL1_R;
     config.rcc.boost = true;
     config.rcc.mux.adc12sel = rcc::mux::Adcsel::SYS;
+    // Below the converter's.
+    config.bdma_interrupt_priority = Priority::P6;
     let p = embassy_stm32::init(config);
     // They stay with the converter for good.
     let amplifiers = (
