@@ -188,6 +188,16 @@ fn every_verb_has_help_with_an_example() {
     }
 }
 
+#[test]
+fn a_kind_that_is_not_on_the_list_is_refused_with_the_list() {
+    let folder = folder();
+    let refused =
+        joint(folder.path(), "discover --model m.toml --log l.csv --out found --without clogging");
+    assert_eq!(refused.status.code(), Some(2));
+    let message = stderr(&refused);
+    assert!(message.contains("clogging") && message.contains("asymmetric-friction"), "{message}");
+}
+
 /// A signal is sent by the shell's `kill`: the standard library sends none.
 #[cfg(unix)]
 #[test]
