@@ -38,6 +38,8 @@ pub const LEAST_GAIN: f64 = 60.0;
 const LOST: f64 = 10.0;
 /// Times the expected noise from which on something is missing even if no score says what.
 const DOUBTED: f64 = 3.0;
+/// Times the expected noise below which nothing is left to explain.
+const CALM: f64 = 1.5;
 /// What a base must owe to its challengers for the round to be worth another look.
 const WORTH_ANOTHER: f64 = 20.0;
 /// Looks at one round.
@@ -162,15 +164,16 @@ fn excess(search: &Search) -> f64 {
     (noise.torque / expected.torque).max(noise.drive / expected.drive)
 }
 
-/// Adds what explains more: the best name of the plain test, or the best beside a push. A push takes
-/// with it what changes slowly, a lost fit bends to what is large.
+/// Adds the best name of the plain test, if that explains the log; else what explains more of it: that
+/// name, or the best beside a push. A push takes with it what changes slowly, a lost fit bends to what
+/// is large.
 fn add_either(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
     let mut beside = search.clone();
-    let (plain, protected) = rayon::join(
-        || add_settled(problem, search, round),
-        || add_protected(problem, &mut beside, round),
-    );
-    let (plain, protected) = (plain?, protected?);
+    let plain = add_settled(problem, search, round)?;
+    if plain && excess(search) < CALM {
+        return Ok(true);
+    }
+    let protected = add_protected(problem, &mut beside, round)?;
     if protected && (!plain || cost(&beside.after.fit) < cost(&search.after.fit)) {
         *search = beside;
     }
