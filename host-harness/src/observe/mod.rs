@@ -8,6 +8,7 @@ pub mod baseline;
 pub mod bench;
 pub mod counted;
 pub mod design;
+pub mod drive;
 pub mod judge;
 pub mod linear;
 pub mod over;
