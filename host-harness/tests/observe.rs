@@ -224,7 +224,9 @@ fn a_bus_that_dips_unseen_is_noticed_and_recovered_from() {
     let within = &found[start..start + 220];
     let told = |s: Status| s.has(Status::MISMATCH) || s.has(Status::BOUNDED);
     assert!(statuses(within).any(told), "nothing was said");
-    assert!(statuses(&found[start + 1000..]).all(|s| !told(s)), "it is said for ever");
+    let later = |found: &[Found<2>]| statuses(&found[start + 600..]).filter(|s| told(*s)).count();
+    let [clean, after] = [&self::found(&model, &seen), &found].map(|found| later(found));
+    assert!(after <= clean + SAMPLES / 100, "said {after} times later, {clean} without a dip");
     bounded_and_back("bus dip", &found, &motion, start + 600, 0.08);
 }
 
