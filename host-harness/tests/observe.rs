@@ -210,27 +210,6 @@ fn a_current_sensor_that_saturates_is_left_out_as_long_as_it_does() {
 }
 
 #[test]
-fn a_bus_that_dips_unseen_is_noticed_and_recovered_from() {
-    let model = model();
-    let motion = motion(&model);
-    let seen = shown(&model, Drive::Voltage, &motion, true, 1);
-    // The drive believes in half again as much voltage as there was, at work, for 20 ms.
-    let start = (1500..SAMPLES - 2000)
-        .find(|&k| seen[k..k + 200].iter().all(|s| s.drive.abs() > 1.5))
-        .unwrap();
-    let mut dipped = seen.clone();
-    dipped[start..start + 200].iter_mut().for_each(|s| s.drive *= 1.5);
-    let found = found(&model, &dipped);
-    let within = &found[start..start + 220];
-    let told = |s: Status| s.has(Status::MISMATCH) || s.has(Status::BOUNDED);
-    assert!(statuses(within).any(told), "nothing was said");
-    let later = |found: &[Found<2>]| statuses(&found[start + 600..]).filter(|s| told(*s)).count();
-    let [clean, after] = [&self::found(&model, &seen), &found].map(|found| later(found));
-    assert!(after <= clean + SAMPLES / 100, "said {after} times later, {clean} without a dip");
-    bounded_and_back("bus dip", &found, &motion, start + 600, 0.08);
-}
-
-#[test]
 fn halls_alone_give_a_coarse_load_and_say_so() {
     let mut model = model();
     model.sensor.motor_encoder_counts_per_rev = 6.0;
