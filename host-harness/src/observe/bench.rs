@@ -99,7 +99,9 @@ pub struct Case {
     pub output: bool,
     /// The observer's score,
     pub observer: Score,
-    /// and those of the baselines that apply.
+    /// its load error on the same samples had the model been right,
+    pub right: f64,
+    /// and the scores of the baselines that apply.
     pub baselines: Vec<(Baseline, Score)>,
     /// The observer's estimates over the truth, where the model is right.
     pub plot: Option<String>,
@@ -153,7 +155,8 @@ pub fn judge(
         .collect();
     let plot = (error == Error::None)
         .then(|| super::plot::plot(joint, step_s, judged.truth, &found, &sigma));
-    Ok(Case { joint: joint.to_owned(), error, output, observer, baselines, plot })
+    let right = observer.load;
+    Ok(Case { joint: joint.to_owned(), error, output, observer, right, baselines, plot })
 }
 
 fn observed<const N: usize>(
@@ -259,15 +262,14 @@ pub fn simulated(number: usize, seed: u64) -> Result<Vec<Case>, BuildError> {
             Style::Creep => format!("{}, creep", drawn.name),
             Style::Duty => format!("{}, duty", drawn.name),
         };
-        cases.push(judge(
-            &joint,
-            drawn.style,
-            *error,
-            &model,
-            rating,
-            &drawn.samples(output),
-            &judged,
-        )?);
+        let samples = drawn.samples(output);
+        let mut case = judge(&joint, drawn.style, *error, &model, rating, &samples, &judged)?;
+        if *error != Error::None {
+            let stages = truth.stages.len();
+            let own = by_stages!(stages, N => observed::<N>(truth, rating, &samples, &judged))?;
+            case.right = own.0.load;
+        }
+        cases.push(case);
     }
     Ok(cases)
 }

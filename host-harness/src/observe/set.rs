@@ -78,12 +78,17 @@ pub fn case(folder: &Path) -> Result<Vec<Case>, InputError> {
             continue;
         }
         let samples = if output { samples.clone() } else { samples.motor_only() };
+        let mut right = f64::NAN;
         for error in Error::ALL.into_iter().filter(|error| error.concerns(&model)) {
             let model = error.of(&model);
             let rating = by_stages!(model.stages.len(), N => samples.rating::<N>(&model, None))
                 .map_err(unbuilt)?;
             let case = judge(&joint, Style::Duty, error, &model, &rating, &samples, &judged);
-            cases.push(case.map_err(unbuilt)?);
+            let case = case.map_err(unbuilt)?;
+            if error == Error::None {
+                right = case.observer.load;
+            }
+            cases.push(Case { right, ..case });
         }
     }
     Ok(cases)

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::{Common, Failure, Outcome};
 use crate::observe::baseline::Baseline;
-use crate::observe::bench::{Case, simulated};
+use crate::observe::bench::{Case, Error, simulated};
 use crate::observe::score::Score;
 use crate::observe::set;
 use crate::output::OutDir;
@@ -90,6 +90,7 @@ fn case(case: &Case) -> Value {
         "model_error": case.error.name(),
         "output_encoder": case.output,
         "observer": score(&case.observer),
+        "load_rms_of_peak_with_the_right_model": case.right,
         "baselines": baselines,
     })
 }
@@ -112,30 +113,34 @@ fn score(score: &Score) -> Value {
 
 /// Medians over joints, by joint, sensors, model error and method.
 fn table(cases: &[Case]) -> String {
-    let mut rows: BTreeMap<(String, bool, _, Option<Baseline>), Vec<Score>> = BTreeMap::new();
+    // A score, and times the error that the right model had.
+    type Marked = (Score, f64);
+    type Key = (String, bool, Error, Option<Baseline>);
+    let mut rows: BTreeMap<Key, Vec<Marked>> = BTreeMap::new();
     for case in cases {
         let mut put = |method, score| {
             let key = (case.joint.clone(), case.output, case.error, method);
             rows.entry(key).or_default().push(score);
         };
-        put(None, case.observer);
-        case.baselines.iter().for_each(|(kind, score)| put(Some(*kind), *score));
+        put(None, (case.observer, case.observer.load / case.right));
+        case.baselines.iter().for_each(|(kind, score)| put(Some(*kind), (*score, f64::NAN)));
     }
-    type Column = (&'static str, f64, fn(&Score) -> f64);
-    const COLUMNS: [Column; 13] = [
-        ("load %", 100.0, |s| s.load),
-        ("calm %", 100.0, |s| s.calm),
-        ("t90 ms", 1e3, |s| s.t90_s),
-        ("first %", 100.0, |s| s.first),
-        ("last %", 100.0, |s| s.windup),
-        ("fric %", 100.0, |s| s.friction),
-        ("both %", 100.0, |s| s.both),
-        ("load 1σ", 100.0, |s| s.within[0][0]),
-        ("2σ", 100.0, |s| s.within[0][1]),
-        ("last 1σ", 100.0, |s| s.within[1][0]),
-        ("2σ", 100.0, |s| s.within[1][1]),
-        ("fric 1σ", 100.0, |s| s.within[2][0]),
-        ("2σ", 100.0, |s| s.within[2][1]),
+    type Column = (&'static str, f64, fn(&(Score, f64)) -> f64);
+    const COLUMNS: [Column; 14] = [
+        ("load %", 100.0, |(s, _)| s.load),
+        ("× right", 1.0, |(_, times)| *times),
+        ("calm %", 100.0, |(s, _)| s.calm),
+        ("t90 ms", 1e3, |(s, _)| s.t90_s),
+        ("first %", 100.0, |(s, _)| s.first),
+        ("last %", 100.0, |(s, _)| s.windup),
+        ("fric %", 100.0, |(s, _)| s.friction),
+        ("both %", 100.0, |(s, _)| s.both),
+        ("load 1σ", 100.0, |(s, _)| s.within[0][0]),
+        ("2σ", 100.0, |(s, _)| s.within[0][1]),
+        ("last 1σ", 100.0, |(s, _)| s.within[1][0]),
+        ("2σ", 100.0, |(s, _)| s.within[1][1]),
+        ("fric 1σ", 100.0, |(s, _)| s.within[2][0]),
+        ("2σ", 100.0, |(s, _)| s.within[2][1]),
     ];
     let mut text =
         format!("{:12} {:5} {:14} {:29} {:>3}", "joint", "seen", "model error", "method", "n");
