@@ -6,11 +6,13 @@ use host_harness::observe::bench::simulated;
 use host_harness::observe::design::{Tuning, design};
 use host_harness::observe::judge::shown;
 use host_harness::observe::rating::Rating;
-use host_harness::observe::run::{Found, Seen, observer, run};
+use host_harness::observe::run::{Found, Seen, observer, run, run_fixed};
 use host_harness::observe::twin::{Felt, Twin, twin};
 use host_harness::scenario::paper;
+use joint_core::fixed::Fixed;
 use joint_core::joint::Drive;
 use joint_core::observer::Status;
+use joint_core::per_unit::Bases;
 
 const STEP_S: f64 = 1e-4;
 const SAMPLES: usize = 6000;
@@ -166,5 +168,106 @@ fn the_bench_judges_baselines_that_find_the_load_and_an_observer_that_finds_it_b
     for kind in [Baseline::Disturbance, Baseline::Rigid] {
         assert!(load(kind) < 0.5, "{}: {}", kind.name(), load(kind));
         assert!(case.observer.load < load(kind), "{} against {}", case.observer.load, load(kind));
+    }
+}
+
+/// Every estimate a number, the load within its bound, and its error small from a sample on.
+fn bounded_and_back(name: &str, found: &[Found<2>], motion: &Twin, from: usize, back: f64) {
+    for (k, f) in found.iter().enumerate() {
+        let e = &f.estimate;
+        let all = [e.load, e.motor_velocity, e.total_friction, e.windup[0], e.windup[1]];
+        assert!(all.iter().all(|v| v.is_finite()), "{name} at {k}: {e:?}");
+        assert!(e.load.abs() <= 4.1 * LOAD_NM, "{name} at {k}: load {}", e.load);
+    }
+    let after = load_error(found, motion, from);
+    println!("{name}: {after:.4} after it");
+    assert!(after < back, "{name}: {after} after it");
+}
+
+fn statuses(found: &[Found<2>]) -> impl Iterator<Item = Status> + '_ {
+    found.iter().map(|f| f.estimate.status)
+}
+
+#[test]
+fn a_current_sensor_that_saturates_is_left_out_as_long_as_it_does() {
+    let model = model();
+    let motion = motion(&model);
+    let mut seen = shown(&model, Drive::Voltage, &motion, true, 1);
+    // A sensor whose end is a third of the largest current.
+    let most = seen.iter().map(|s| s.current.abs()).fold(0.0, f64::max);
+    let end = most / 3.0;
+    seen.iter_mut().for_each(|s| s.current = s.current.clamp(-end, end));
+    let rating = Rating { current_a: 0.999 * end, ..rating(&model) };
+    let design = design::<2>(&model, Drive::Voltage, STEP_S, &rating, &Tuning::default()).unwrap();
+    let observer = observer::<f32, 2>(&model, Drive::Voltage, STEP_S, &design).unwrap();
+    let found = run(&observer, &seen, &[]);
+    for (k, (seen, f)) in seen.iter().zip(&found).enumerate().skip(20) {
+        let flagged = f.estimate.status.has(Status::NO_CURRENT);
+        assert_eq!(flagged, seen.current.abs() >= 0.999 * end, "sample {k}: {}", seen.current);
+    }
+    assert!(statuses(&found).any(|s| s.has(Status::NO_CURRENT)));
+    bounded_and_back("current saturated", &found, &motion, 600, 0.06);
+}
+
+#[test]
+fn halls_alone_give_a_coarse_load_and_say_so() {
+    let mut model = model();
+    model.sensor.motor_encoder_counts_per_rev = 6.0;
+    model.sensor.output_encoder_counts_per_rev = 0.0;
+    let motion = motion(&model);
+    let seen = shown(&model, Drive::Voltage, &motion, false, 1);
+    let found = found(&model, &seen);
+    bounded_and_back("halls alone", &found, &motion, 600, 0.35);
+    // What is said of it: two deviations hold nine of ten errors, and no sample is called a glitch.
+    let inside = found.iter().zip(&motion.load).skip(600);
+    let inside =
+        inside.filter(|(f, load)| (f.estimate.load - **load).abs() <= 2.0 * f.estimate.spread.load);
+    let share = inside.count() as f64 / (SAMPLES - 600) as f64;
+    println!("halls alone: {share:.3} within two deviations");
+    assert!(share > 0.85, "{share} within two deviations");
+    let wrong = statuses(&found).skip(600).filter(|s| s.has(Status::GLITCH)).count();
+    assert!(wrong < SAMPLES / 100, "{wrong} samples called a glitch");
+}
+
+#[test]
+fn the_winding_and_the_magnets_are_found_where_the_model_has_them_wrong() {
+    let model = model();
+    let motion = motion(&model);
+    let seen = shown(&model, Drive::Voltage, &motion, false, 1);
+    let mut wrong = model.clone();
+    wrong.motor.phase_resistance_ohm *= 1.15;
+    wrong.motor.torque_constant_nm_per_a *= 1.02;
+    wrong.motor.phase_back_emf_constant_v_s_per_rad = None;
+    let found = found(&wrong, &seen);
+    let e = &found[SAMPLES - 1].estimate;
+    println!("resistance {:.4}, flux {:.4}", e.resistance, e.flux);
+    assert!((1.15 * (1.0 + e.resistance) - 1.0).abs() < 0.02, "resistance {}", e.resistance);
+    assert!((1.02 * (1.0 + e.flux) - 1.0).abs() < 0.006, "flux {}", e.flux);
+}
+
+#[test]
+fn fixed_point_finds_the_load_as_single_precision_does() {
+    let model = model();
+    let motion = motion(&model);
+    for output in [false, true] {
+        let seen = shown(&model, Drive::Voltage, &motion, output, 1);
+        let single = found(&model, &seen);
+        let design =
+            design::<2>(&model, Drive::Voltage, STEP_S, &rating(&model), &Tuning::default())
+                .unwrap();
+        let fixed = observer::<Fixed, 2>(&model, Drive::Voltage, STEP_S, &design).unwrap();
+        let bases = Bases::of(&model.motor, &model.stages, STEP_S);
+        let fixed = run_fixed(&fixed, &bases, &seen, &[]);
+        let [a, b] = [&single, &fixed].map(|found| load_error(found, &motion, 600));
+        println!("output encoder {output}: f32 {a:.4}, fixed point {b:.4}");
+        assert!(b < 1.05 * a + 0.002, "{b} in fixed point where f32 has {a}");
+        let friction = |found: &[Found<2>]| -> Vec<f64> {
+            found.iter().map(|f| f.estimate.total_friction).collect()
+        };
+        let (a, b) = (friction(&single), friction(&fixed));
+        let square = |values: &mut dyn Iterator<Item = f64>| -> f64 { values.map(|v| v * v).sum() };
+        let apart =
+            square(&mut a.iter().zip(&b).map(|(a, b)| a - b)) / square(&mut a.iter().copied());
+        assert!(apart.sqrt() < 0.05, "friction is {} apart", apart.sqrt());
     }
 }

@@ -87,6 +87,10 @@ fn design() -> Design<2> {
         strange: 40.0,
         most_load_nm: 0.05,
         most_bias: 1.0,
+        most_ohm: 0.5,
+        most_flux: 0.1,
+        ohm: 0.0,
+        flux: 0.0,
         most_current_a: 2.0,
         spread: [Spread::filled(0.1); SETS],
     }

@@ -118,7 +118,12 @@ pub fn firmware(program: &str, board: Board) -> PathBuf {
             STM32.get_or_init(|| build("stm32", TARGET, &["--bins"], &PROGRAMS))
         }
         Board::NetduinoPlus2Soft => SOFT.get_or_init(|| {
-            build("soft", SOFT_TARGET, &["--bin", "count_fixed"], &["count_fixed"])
+            build(
+                "soft",
+                SOFT_TARGET,
+                &["--bin", "count_fixed", "--bin", "observe_fixed"],
+                &["count_fixed", "observe_fixed"],
+            )
         }),
         Board::Mps2An386 | Board::Mps2An500 => {
             MPS2.get_or_init(|| build("mps2", TARGET, &["--bins", "--features", "mps2"], &PROGRAMS))

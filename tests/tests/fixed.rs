@@ -55,15 +55,20 @@ fn the_program_without_floats_holds_no_floating_point_routine() {
     if !qemu::available("the_program_without_floats_holds_no_floating_point_routine") {
         return;
     }
-    let elf = fs::read(qemu::firmware("count_fixed", Board::NetduinoPlus2Soft)).unwrap();
-    let symbols = symbols(&elf);
+    for program in ["count_fixed", "observe_fixed"] {
+        let elf = fs::read(qemu::firmware(program, Board::NetduinoPlus2Soft)).unwrap();
+        without_floats(program, &symbols(&elf));
+    }
+}
+
+fn without_floats(program: &str, symbols: &[String]) {
     assert!(symbols.iter().any(|name| name.contains("micro_step")), "no symbol table");
     let kinds = ["add", "sub", "mul", "div", "cmplt", "cmpgt", "2iz", "2uiz", "2d", "2f"];
     let routines =
         kinds.iter().flat_map(|kind| ["f", "d"].map(|float| format!("__aeabi_{float}{kind}")));
     let conversions = ["i2f", "ui2f", "l2f", "i2d", "ui2d", "l2d"].map(|k| format!("__aeabi_{k}"));
     for name in routines.chain(conversions) {
-        assert!(!symbols.contains(&name), "{name}");
+        assert!(!symbols.contains(&name), "{name} in {program}");
     }
 }
 

@@ -26,6 +26,10 @@ pub struct Tuning {
     pub leak_s: [f64; 3],
     /// Walk of the missing drive as a share of the rated one per root second.
     pub bias: f64,
+    /// Walk of the resistance as a share of it per root second.
+    pub ohm: f64,
+    /// Walk of the flux as a share of it per root second.
+    pub flux: f64,
     /// Noise on the drive as a share of the rated one.
     pub drive: f64,
     /// Noise on the rotor as a share of the breakaway torque.
@@ -52,7 +56,9 @@ impl Default for Tuning {
             load: [0.075, 4.7, 0.06],
             slope: [25.0, 32.0, 520.0],
             leak_s: [0.1, 0.035, 0.02],
-            bias: 0.002,
+            bias: 0.001,
+            ohm: 0.04,
+            flux: 0.002,
             drive: 1e-3,
             torque: 0.012,
             bristle: 4.0,
@@ -149,10 +155,13 @@ fn assemble<const N: usize>(
         slope: tuning.slope[speed] * rating.load_nm * step_s,
         leak: (-step_s / tuning.leak_s[speed]).exp(),
         bias: tuning.bias * rating.drive * root,
+        ohm: tuning.ohm * root,
+        flux: tuning.flux * root,
         bristle: tuning.bristle * root,
     };
     let mut sets = [[Column::filled(0.0); CHANNELS]; SETS];
     let mut sigma = [1.0; CHANNELS];
+    let mut scale = [0.0; 2];
     let mut lean = [[0.0; CHANNELS]; 2];
     for output in [false, true] {
         if output && !all[2].is_finite() {
@@ -178,6 +187,9 @@ fn assemble<const N: usize>(
         let fast = medians(linear, &uncertain(1, output), &masks);
         let lively = medians(linear, &uncertain(2, output), &masks);
         let Some(steady) = slow[0].clone() else { continue };
+        if !output {
+            scale = steady.scale;
+        }
         if !output || sigma[2] == 1.0 {
             for (own, found) in sigma.iter_mut().zip(steady.sigma) {
                 if found > 0.0 {
@@ -208,6 +220,8 @@ fn assemble<const N: usize>(
     let settled = ((0.02 / step_s) as u16).max(50);
     Design {
         sets,
+        ohm: scale[0] * sigma[0],
+        flux: scale[1] * sigma[0],
         bent: super::linear::bend(model),
         sigma,
         gate: 40.0,
@@ -222,6 +236,8 @@ fn assemble<const N: usize>(
         strange: 12.0,
         most_load_nm: 4.0 * rating.load_nm,
         most_bias: 0.5 * rating.drive,
+        most_ohm: 0.5,
+        most_flux: 0.1,
         most_current_a: rating.current_a,
         spread: [Spread::filled(0.0); SETS],
     }

@@ -1,6 +1,7 @@
 //! The joint as a matrix at every sample of a motion, with what the observer carries beside it.
 
 use joint_core::joint::Drive;
+use joint_core::observer::winding;
 use nalgebra::{DMatrix, DVector};
 
 use super::twin::Twin;
@@ -8,8 +9,9 @@ use crate::estimate::record::CHANNELS;
 use crate::model::Model;
 use crate::plant::{BuildError, Grid, Layout, inertias, output_shaft, plant};
 
-/// Order of the observer's quantities: those of the plant, then load (Nm), its slope (Nm a step)
-/// and the drive beside the applied one (V or A).
+/// Order of the observer's quantities: those of the plant, then load (Nm), its slope (Nm a step),
+/// the drive beside the applied one (V or A), and the shares by which resistance (less that of the
+/// flux) and flux are larger.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
     /// The plant's part.
@@ -19,7 +21,7 @@ pub struct Order {
 impl Order {
     /// Number of quantities that are corrected: what effects remember is not.
     pub fn size(self) -> usize {
-        self.states() + 3
+        self.states() + 5
     }
 
     /// Quantities of the joint among them.
@@ -41,6 +43,16 @@ impl Order {
     pub fn bias(self) -> usize {
         self.states() + 2
     }
+
+    /// The resistance that the model does not know.
+    pub fn ohm(self) -> usize {
+        self.states() + 3
+    }
+
+    /// The flux that the model does not know.
+    pub fn flux(self) -> usize {
+        self.states() + 4
+    }
 }
 
 /// Linearisation along a motion.
@@ -54,6 +66,8 @@ pub struct Linear {
     pub kick: DVector<f64>,
     /// What each channel shows.
     pub shows: DMatrix<f64>,
+    /// By sample: current, A, and rotor speed, rad/s.
+    pub running: Vec<[f64; 2]>,
     /// By sample: whether the rotor is held by its friction.
     pub held: Vec<bool>,
     /// By sample: whether the last spring is bent.
@@ -82,6 +96,10 @@ pub fn linearise(
     let (push, weight) = (1e-4 * most(&twin.drive), 1e-4 * most(&twin.load));
     let mut transition = Vec::with_capacity(samples);
     let mut held = Vec::with_capacity(samples);
+    let mut running = Vec::with_capacity(samples);
+    let share = winding(&model.motor, step_s);
+    let (resistance, constant) =
+        (2.0 * model.motor.phase_resistance_ohm, model.motor.torque_constant_nm_per_a);
     let mut bent = Vec::with_capacity(samples);
     let shaft = output_shaft(model);
     let bend = bend(model) / shaft.abs();
@@ -115,6 +133,19 @@ pub fn linearise(
             f[(row, order.slope())] = f[(row, order.load())];
         }
         f[(order.load(), order.slope())] = 1.0;
+        let (now, speed) = (state[Layout::CURRENT], state[layout.speed(0)]);
+        running.push([now, speed]);
+        let mean = match kind {
+            Drive::Voltage => {
+                let last = (twin.drive[k] - constant * speed) / resistance;
+                now + share * (last - now)
+            }
+            Drive::Current => 0.0,
+        };
+        for row in 0..n {
+            f[(row, order.ohm())] = -resistance * mean * f[(row, order.bias())];
+            f[(row, order.flux())] = -constant * speed * f[(row, order.bias())];
+        }
         transition.push(f);
     }
     let mut kick = DVector::zeros(size);
@@ -130,7 +161,7 @@ pub fn linearise(
     for stage in 0..layout.stages {
         shows[(2, layout.deflection(stage))] = -shaft;
     }
-    Ok(Linear { order, transition, kick, shows, held, bent })
+    Ok(Linear { order, transition, kick, shows, running, held, bent })
 }
 
 /// Small changes of every quantity, of the order of what is known of it.

@@ -6,13 +6,18 @@
 
 pub mod baseline;
 pub mod bench;
+pub mod counted;
 pub mod design;
 pub mod drive;
 pub mod judge;
 pub mod linear;
+pub mod over;
+pub mod plot;
 pub mod rating;
 pub mod riccati;
 pub mod run;
+pub mod score;
+pub mod set;
 pub mod table;
 pub mod truth;
 pub mod twin;

@@ -22,9 +22,18 @@ pub struct Uncertain {
     pub leak: f64,
     /// Walk of the missing drive, V or A a step.
     pub bias: f64,
+    /// Walk of the resistance a step, as a share.
+    pub ohm: f64,
+    /// Walk of the flux a step, as a share.
+    pub flux: f64,
     /// Walk of every bristle in a step, as a share of its Coulomb level.
     pub bristle: f64,
 }
+
+/// What is known of the resistance at first: one sigma, as a share.
+const OHM: f64 = 0.05;
+/// The same of the flux.
+const FLUX: f64 = 0.01;
 
 /// Gains of one regime.
 #[derive(Clone, Debug)]
@@ -33,6 +42,9 @@ pub struct Median {
     pub gain: DMatrix<f64>,
     /// One sigma of each channel's innovation.
     pub sigma: [f64; CHANNELS],
+    /// Correction of resistance and flux for an innovation of the current of 1 A, at a current of
+    /// 1 A and a speed of 1 rad/s.
+    pub scale: [f64; 2],
 }
 
 /// Runs the covariance along a motion and takes the medians of the gains where `when` says so; `None`
@@ -41,13 +53,15 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
     let order = linear.order;
     let size = order.size();
     let used: Vec<usize> = (0..CHANNELS).filter(|&c| uncertain.sensors[c].is_finite()).collect();
-    let h = linear.shows.select_rows(&used);
+    let mut h = linear.shows.select_rows(&used);
     let mut p = DMatrix::<f64>::zeros(size, size);
     let square = |value: f64| value * value;
     for (index, sigma) in [
         (order.load(), 100.0 * uncertain.load),
         (order.slope(), uncertain.slope),
         (order.bias(), 100.0 * uncertain.bias),
+        (order.ohm(), OHM),
+        (order.flux(), FLUX),
     ] {
         p[(index, index)] = square(sigma);
     }
@@ -55,9 +69,14 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
         p[(index, index)] = 1e-12;
     }
     let mut gains: Vec<Vec<DMatrix<f64>>> = vec![Vec::new(); when.len()];
+    let mut scales = vec![[[0.0; 2]; 2]; when.len()];
     let mut variances: Vec<Vec<[f64; CHANNELS]>> = vec![Vec::new(); when.len()];
     let slope_walk = uncertain.slope * (1.0 - square(uncertain.leak)).max(0.0).sqrt();
     for (k, transition) in linear.transition.iter().enumerate() {
+        if used.first() == Some(&0) {
+            // More flux makes more of a measured current.
+            h[(0, order.flux())] = -linear.running[k][0];
+        }
         let ph = &p * h.transpose();
         let mut s = &h * &ph;
         for (row, &c) in used.iter().enumerate() {
@@ -74,6 +93,15 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
             if mask[k] {
                 gains[slot].push(gain.clone());
                 variances[slot].push(variance);
+                if used.first() == Some(&0) {
+                    let rows = [order.ohm(), order.flux()];
+                    for ((sums, row), by) in
+                        scales[slot].iter_mut().zip(rows).zip(linear.running[k])
+                    {
+                        sums[0] += gain[(row, 0)] * by;
+                        sums[1] += by * by;
+                    }
+                }
             }
         }
         let mut f = transition.clone();
@@ -87,6 +115,8 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
         p[(order.load(), order.load())] += square(uncertain.load);
         p[(order.slope(), order.slope())] += square(slope_walk);
         p[(order.bias(), order.bias())] += square(uncertain.bias);
+        p[(order.ohm(), order.ohm())] += square(uncertain.ohm);
+        p[(order.flux(), order.flux())] += square(uncertain.flux);
         for mass in 0..=order.plant.stages {
             let index = order.plant.bristle(mass);
             p[(index, index)] += square(uncertain.bristle);
@@ -97,7 +127,8 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
     gains
         .iter()
         .zip(&variances)
-        .map(|(gains, variances)| {
+        .zip(&scales)
+        .map(|((gains, variances), scale)| {
             if gains.is_empty() {
                 return None;
             }
@@ -109,7 +140,9 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
             }
             let sigma =
                 std::array::from_fn(|c| median(variances.iter().map(|v| v[c])).max(0.0).sqrt());
-            Some(Median { gain, sigma })
+            let scale =
+                scale.map(|[product, square]| if square > 0.0 { product / square } else { 0.0 });
+            Some(Median { gain, sigma, scale })
         })
         .collect()
 }

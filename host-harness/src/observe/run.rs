@@ -1,9 +1,13 @@
 //! The observer over a log: the very code that runs in the drive.
 
+use std::f64::consts::TAU;
+
 use joint_core::effect::EffectSet;
+use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Settings};
-use joint_core::observer::{Design, Estimate, Gains, Observer, Sample, Turn};
+use joint_core::observer::{Design, Estimate, Gains, Observer, Sample, Spread, Track, Turn};
 use joint_core::params::ParameterError;
+use joint_core::per_unit::Bases;
 use joint_core::scalar::Scalar;
 
 use crate::model::Model;
@@ -65,19 +69,47 @@ pub fn run<S: Scalar, const N: usize>(
     samples: &[Seen],
     steps: &[u32],
 ) -> Vec<Found<N>> {
-    let turns = |angle: f64| angle / std::f64::consts::TAU;
+    run_with(observer, samples, steps, |track| in_f64(&observer.estimate(track)))
+}
+
+/// The same in fixed point, whose readings `bases` turn into SI. Voltages and currents beyond 32
+/// stop there.
+pub fn run_fixed<const N: usize>(
+    observer: &Observer<Fixed, N, EffectSet<Fixed>>,
+    bases: &Bases<'_>,
+    samples: &[Seen],
+    steps: &[u32],
+) -> Vec<Found<N>> {
+    let imposed = observer.joint.is_current_imposed();
+    run_with(observer, samples, steps, |track| {
+        in_si(in_f64(&observer.reading(track)), bases, imposed)
+    })
+}
+
+fn run_with<S: Scalar, const N: usize>(
+    observer: &Observer<S, N, EffectSet<S>>,
+    samples: &[Seen],
+    steps: &[u32],
+    read: impl Fn(&Track<S, N>) -> Estimate<f64, N>,
+) -> Vec<Found<N>> {
+    let turns = |angle: f64| angle / TAU;
     let first = samples.iter().map(|s| s.motor).find(|v| v.is_finite()).unwrap_or(0.0);
     let mut track = observer.start(turns(first).round() as i32);
     let mut found = Vec::with_capacity(samples.len());
     let mut held = S::ZERO;
+    let none = S::from_f64(f64::NAN);
+    let has_none = none.partial_cmp(&none).is_none();
     for (k, seen) in samples.iter().enumerate() {
         for _ in 1..steps.get(k).copied().unwrap_or(1) {
             observer.update(&mut track, &Sample { drive: held, ..Sample::default() });
         }
         let angle = |value: f64| value.is_finite().then(|| Turn::from_turns(turns(value)));
-        let drive = S::from_f64(seen.drive);
+        let mut drive = S::from_f64(seen.drive);
         if seen.drive.is_finite() {
             held = drive;
+        } else if !has_none {
+            // Fixed point cannot say that a voltage is missing: who feeds it holds the last one.
+            drive = held;
         }
         let sample = Sample {
             drive,
@@ -86,15 +118,16 @@ pub fn run<S: Scalar, const N: usize>(
             output: angle(seen.output),
         };
         observer.update(&mut track, &sample);
-        found.push(read(&observer.estimate(&track)));
+        let estimate = read(&track);
+        let output_angle = (f64::from(estimate.output_turns) + estimate.output_part) * TAU;
+        found.push(Found { estimate, output_angle });
     }
     found
 }
 
-fn read<S: Scalar, const N: usize>(e: &Estimate<S, N>) -> Found<N> {
-    let turn = std::f64::consts::TAU;
+fn in_f64<S: Scalar, const N: usize>(e: &Estimate<S, N>) -> Estimate<f64, N> {
     let s = &e.spread;
-    let estimate = Estimate {
+    Estimate {
         motor_velocity: e.motor_velocity.to_f64(),
         motor_friction: e.motor_friction.to_f64(),
         stage_friction: e.stage_friction.map(S::to_f64),
@@ -105,7 +138,9 @@ fn read<S: Scalar, const N: usize>(e: &Estimate<S, N>) -> Found<N> {
         output_velocity: e.output_velocity.to_f64(),
         load: e.load.to_f64(),
         bias: e.bias.to_f64(),
-        spread: joint_core::observer::Spread {
+        resistance: e.resistance.to_f64(),
+        flux: e.flux.to_f64(),
+        spread: Spread {
             motor_velocity: s.motor_velocity.to_f64(),
             total_friction: s.total_friction.to_f64(),
             windup: s.windup.map(S::to_f64),
@@ -115,7 +150,38 @@ fn read<S: Scalar, const N: usize>(e: &Estimate<S, N>) -> Found<N> {
         },
         row: e.row,
         status: e.status,
+    }
+}
+
+/// A reading in SI.
+fn in_si<const N: usize>(
+    e: Estimate<f64, N>,
+    bases: &Bases<'_>,
+    current_imposed: bool,
+) -> Estimate<f64, N> {
+    let Bases { torque, speed, angle, current, resistance, .. } = *bases;
+    let shaft = bases.shaft(N);
+    let wound = |values: [f64; N]| -> [f64; N] {
+        std::array::from_fn(|k| values[k] * angle * bases.shaft(k + 1))
     };
-    let output_angle = (f64::from(e.output_turns) + estimate.output_part) * turn;
-    Found { estimate, output_angle }
+    let s = &e.spread;
+    Estimate {
+        motor_velocity: e.motor_velocity * speed,
+        motor_friction: e.motor_friction * torque,
+        stage_friction: e.stage_friction.map(|value| value * torque),
+        total_friction: e.total_friction * torque,
+        windup: wound(e.windup),
+        output_velocity: e.output_velocity * speed * shaft,
+        load: e.load * torque / shaft,
+        bias: e.bias * if current_imposed { current } else { resistance * current },
+        spread: Spread {
+            motor_velocity: s.motor_velocity * speed,
+            total_friction: s.total_friction * torque,
+            windup: wound(s.windup).map(f64::abs),
+            output_angle: s.output_angle * TAU,
+            output_velocity: (s.output_velocity * speed * shaft).abs(),
+            load: (s.load * torque / shaft).abs(),
+        },
+        ..e
+    }
 }

@@ -11,8 +11,15 @@ pub fn header(stages: usize) -> String {
     names.push("total_friction_at_motor_nm".to_owned());
     names.extend((1..=stages).map(|k| format!("stage{k}_windup_rad")));
     names.extend(
-        ["output_angle_rad", "output_velocity_rad_per_s", "load_torque_nm", "drive_bias"]
-            .map(str::to_owned),
+        [
+            "output_angle_rad",
+            "output_velocity_rad_per_s",
+            "load_torque_nm",
+            "drive_bias",
+            "resistance_error",
+            "torque_constant_error",
+        ]
+        .map(str::to_owned),
     );
     let mut spread = vec!["motor_velocity_rad_per_s_std".to_owned()];
     spread.push("total_friction_at_motor_nm_std".to_owned());
@@ -43,6 +50,8 @@ pub fn rows<const N: usize>(time_s: &[f64], found: &[Found<N>], shafts: &[f64; N
         put(e.output_velocity);
         put(e.load);
         put(e.bias);
+        put(e.resistance);
+        put(e.flux);
         put(s.motor_velocity);
         put(s.total_friction);
         s.windup.iter().for_each(|v| put(*v));

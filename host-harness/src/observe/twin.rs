@@ -50,9 +50,53 @@ pub fn twin(
     samples: usize,
     seed: u64,
 ) -> Result<Twin, BuildError> {
+    moved(truth, kind, step_s, rating, felt, samples, seed, Style::Creep)
+}
+
+/// How a joint is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Style {
+    /// Reversals, stops and slow passages through zero as often as may be: where gains are designed.
+    Creep,
+    /// Trapezoids, a wandering part and steps over the whole of the rating, as a drive at work.
+    Duty,
+}
+
+impl Style {
+    /// Samples that a motion of this style is to have.
+    pub const fn samples(self) -> usize {
+        match self {
+            Self::Creep => 5000,
+            Self::Duty => 10_000,
+        }
+    }
+}
+
+/// The same in a style.
+///
+/// # Errors
+/// The model cannot be built.
+#[allow(clippy::too_many_arguments)]
+pub fn moved(
+    truth: &Model,
+    kind: Drive,
+    step_s: f64,
+    rating: &Rating,
+    felt: &Felt,
+    samples: usize,
+    seed: u64,
+    style: Style,
+) -> Result<Twin, BuildError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let drive = drive(rating, samples, &mut random);
-    let (load, jumps) = load(rating.load_nm, samples, &mut random);
+    let (drive, load) = match style {
+        Style::Creep => {
+            (drive(rating, samples, &mut random), load(rating.load_nm, samples, &mut random))
+        }
+        Style::Duty => {
+            (duty(rating, samples, &mut random), duty_load(rating.load_nm, samples, &mut random))
+        }
+    };
+    let jumps = super::score::jumps(&load);
     let times: Vec<f64> = (0..samples).map(|k| k as f64 * step_s).collect();
     let grid = Grid::new(&times, None);
     let plant = plant(truth, &grid, kind)?;
@@ -106,12 +150,54 @@ fn drive(rating: &Rating, samples: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
     values
 }
 
+/// A slow start, trapezoids, a wandering part, steps, and a slow end about zero.
+fn duty(rating: &Rating, samples: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
+    let most = rating.drive;
+    let mut values = Vec::with_capacity(samples);
+    let mut now = 0.0_f64;
+    let mut part = |share: f64, at: &mut dyn FnMut(f64, f64) -> f64| {
+        let length = (share * samples as f64) as usize;
+        let start = now;
+        for k in 0..length {
+            now = at(start, k as f64 / length as f64);
+            values.push(now);
+        }
+    };
+    part(0.03, &mut |_, _| 0.0);
+    for (share, target) in [(0.07, 0.5), (0.06, -0.5), (0.06, 0.1)] {
+        let target = target * most * random.random_range(0.6..1.2);
+        part(share, &mut |start, place| start + (target - start) * place);
+    }
+    let mut sign = if random.random() { 1.0 } else { -1.0 };
+    for _ in 0..6 {
+        let target = sign * most * random.random_range(0.6..1.0);
+        part(0.05, &mut |start, place| start + (target - start) * (2.0 * place).min(1.0));
+        sign = if random.random::<f64>() < 0.8 { -sign } else { sign };
+    }
+    let (mut slow, mut fast, mut hold) = (0.0, 0.0, 0.0);
+    part(0.2, &mut |_, place| {
+        if (place * 40.0).fract() < 1.0 / (0.005 * samples as f64) {
+            hold = most * random.random_range(-0.8..0.8);
+        }
+        slow += 0.02 * (hold - slow);
+        fast = 0.9 * fast + 0.05 * most * random.random_range(-1.0..1.0);
+        (slow + fast).clamp(-most, most)
+    });
+    for _ in 0..8 {
+        let target = most * random.random_range(-1.0..1.0);
+        part(0.025, &mut |_, _| target);
+    }
+    let waves = random.random_range(3.0..8.0);
+    part(1.0, &mut |_, place| 0.2 * most * place * (TAU * waves * 10.0 * place).sin());
+    values.truncate(samples);
+    values
+}
+
 /// Nothing, jumps, and waves of several lengths.
-fn load(most: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<usize>) {
+fn load(most: f64, samples: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
     let parts = 14;
     let length = samples.div_ceil(parts).max(1);
     let mut values: Vec<f64> = Vec::with_capacity(samples);
-    let mut jumps = Vec::new();
     let mut held = most;
     for part in 0..parts {
         let sign = if random.random() { 1.0 } else { -1.0 };
@@ -129,10 +215,31 @@ fn load(most: f64, samples: usize, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<us
         held = if part % 7 == 2 { held } else { level };
     }
     values.truncate(samples);
-    for k in 1..values.len() {
-        if (values[k] - values[k - 1]).abs() > 0.2 * most {
-            jumps.push(k);
-        }
+    values
+}
+
+/// Nothing, a load that is put on and taken off, a ramp, and waves of 200 to 2000 samples that end
+/// at once.
+fn duty_load(most: f64, samples: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut values: Vec<f64> = Vec::with_capacity(samples);
+    let level = |random: &mut ChaCha8Rng| {
+        let sign = if random.random() { 1.0 } else { -1.0 };
+        sign * most * random.random_range(0.5..1.0)
+    };
+    let [step, ramp, wave] = [level(random), level(random), level(random)];
+    let period = 200.0 * random.random_range(0.0_f64..3.3).exp2();
+    let begin = random.random_range(0.15..0.3);
+    for k in 0..samples {
+        let share = k as f64 / samples as f64 - begin;
+        values.push(match share {
+            s if s < 0.0 => 0.0,
+            s if s < 0.15 => step,
+            s if s < 0.2 => 0.0,
+            s if s < 0.3 => ramp * (s - 0.2) / 0.1,
+            s if s < 0.35 => ramp,
+            s if s < 0.6 => wave * (TAU * (s - 0.35) * samples as f64 / period).sin(),
+            _ => 0.0,
+        });
     }
-    (values, jumps)
+    values
 }

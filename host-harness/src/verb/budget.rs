@@ -95,13 +95,16 @@ fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
         HARD,
         &["--bin", "count", "--bin", "replay", "--bin", "hil", "--bin", "observe"],
     )?;
-    build(root, &target, SOFT, &["--bin", "count_fixed"])?;
+    build(root, &target, SOFT, &["--bin", "count_fixed", "--bin", "observe_fixed"])?;
     let elf = |triple: &str, program: &str| target.join(triple).join("release").join(program);
     let folder = tempfile::tempdir().map_err(|error| Failure::check(error.to_string()))?;
     let [observer, log] = observer::files()?;
+    let [fixed_observer, fixed_log] = observer::fixed_files()?;
     let files = [
         ("parameters.bin", observer),
         ("log.bin", log),
+        ("fixed.bin", fixed_observer),
+        ("fixed_log.bin", fixed_log),
         ("joint.bin", fixed_block()?),
         ("page.bin", period::parameters()?),
         ("samples.bin", period::samples()?),
@@ -118,6 +121,10 @@ fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
     let observed = values(&emulate(&elf(HARD, "observe"), folder.path(), arguments, false)?);
     let update = observed.get("update_instructions").copied();
     rows.extend(update.map(|count| ("observer_f32_instructions".to_owned(), count)));
+    let arguments = "observe_fixed,arg=fixed.bin,arg=fixed_log.bin";
+    let observed = values(&emulate(&elf(SOFT, "observe_fixed"), folder.path(), arguments, false)?);
+    let update = observed.get("update_instructions").copied();
+    rows.extend(update.map(|count| ("observer_fixed_instructions".to_owned(), count)));
     let arguments = "hil,arg=samples.bin,arg=commands.bin,arg=frames.bin";
     let said = emulate(&elf(HARD, "hil"), folder.path(), arguments, true)?;
     if !said.contains("parameters=accepted") {

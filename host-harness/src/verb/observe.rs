@@ -3,20 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use joint_core::joint::Drive;
 use joint_core::per_unit::Bases;
 use serde_json::json;
 
 use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::log::{Log, Need, compressed};
 use crate::model::Model;
-use crate::observe::design::{Tuning, design, gains};
+use crate::observe::design::Tuning;
 use crate::observe::drive;
-use crate::observe::rating::Rating;
-use crate::observe::run::{Found, Seen, observer, run as run_over};
+use crate::observe::over::Samples;
 use crate::observe::table;
 use crate::output::OutFile;
-use crate::plant::{BuildError, by_stages};
+use crate::plant::{BuildError, ScalarKind, by_stages};
 
 /// Run the on-drive observer over a log
 ///
@@ -60,6 +58,8 @@ pub enum Scalar {
     F64,
     /// Single precision, bit for bit as on the drive
     F32,
+    /// Fixed point, as on a drive without a floating-point unit
+    Fixed,
 }
 
 /// Runs the verb.
@@ -121,85 +121,16 @@ fn observed_by<const N: usize>(
     model: &Model,
     log: &Log,
 ) -> Result<String, BuildError> {
-    let kind = if log.voltage_v.is_some() { Drive::Voltage } else { Drive::Current };
-    let mut intervals: Vec<f64> = log.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    intervals.sort_by(f64::total_cmp);
-    let step_s = intervals.get(intervals.len() / 2).copied().unwrap_or(1e-4);
-    let steps: Vec<u32> = std::iter::once(1)
-        .chain(
-            log.time_s
-                .windows(2)
-                .map(|pair| ((pair[1] - pair[0]) / step_s).round().clamp(1.0, 1e5) as u32),
-        )
-        .collect();
-    let samples = samples(log, kind);
-    let drive = samples.iter().map(|s| s.drive.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let mut rating = Rating::of(model, kind);
-    if drive > 0.0 {
-        rating.drive = drive;
-        rating.load_nm = Rating::holds(model, kind, drive);
-    }
-    if let Some(load) = args.rated_load_nm {
-        rating.load_nm = load;
-    } else {
-        rating.load_nm = seen_load::<N>(model, kind, step_s, rating, &samples, &steps)?;
-    }
+    let samples = Samples::of(log);
+    let rating = samples.rating::<N>(model, args.rated_load_nm)?;
     let tuning = Tuning::default();
-    let design = design::<N>(model, kind, step_s, &rating, &tuning)?;
-    let found: Vec<Found<N>> = match args.scalar {
-        Scalar::F64 => {
-            run_over(&observer::<f64, N>(model, kind, step_s, &design)?, &samples, &steps)
-        }
-        Scalar::F32 => {
-            run_over(&observer::<f32, N>(model, kind, step_s, &design)?, &samples, &steps)
-        }
+    let scalar = match args.scalar {
+        Scalar::F64 => ScalarKind::F64,
+        Scalar::F32 => ScalarKind::F32,
+        Scalar::Fixed => ScalarKind::Fixed,
     };
+    let found = samples.observed::<N>(model, &rating, &tuning, scalar)?;
     let bases = Bases::si(&model.motor, &model.stages);
     let shafts = std::array::from_fn(|k| bases.shaft(k + 1));
     Ok(format!("{}\n{}", table::header(N), table::rows(&log.time_s, &found, &shafts)))
-}
-
-/// The largest load that a log shows, Nm: from one that friction holds upwards, as an observer that
-/// expects far too much sees it in every count of the encoder.
-fn seen_load<const N: usize>(
-    model: &Model,
-    kind: Drive,
-    step_s: f64,
-    mut rating: Rating,
-    samples: &[Seen],
-    steps: &[u32],
-) -> Result<f64, BuildError> {
-    let most = rating.load_nm;
-    rating.load_nm = Rating::held(model).min(most);
-    for _ in 0..6 {
-        let design = gains::<N>(model, kind, step_s, &rating, &Tuning::default())?;
-        let found = run_over(&observer::<f64, N>(model, kind, step_s, &design)?, samples, steps);
-        let mut loads: Vec<f64> = found.iter().map(|f| f.estimate.load.abs()).collect();
-        loads.sort_by(f64::total_cmp);
-        let shown = loads.get(loads.len() * 98 / 100).copied().unwrap_or(0.0);
-        if shown < 1.2 * rating.load_nm {
-            rating.load_nm = rating.load_nm.min(shown.max(0.5 * rating.load_nm));
-            break;
-        }
-        rating.load_nm = shown.min(10.0 * most);
-    }
-    Ok(rating.load_nm)
-}
-
-/// What the observer is given of a log.
-pub fn samples(log: &Log, kind: Drive) -> Vec<Seen> {
-    let at = |column: &Option<Vec<f64>>, k: usize| {
-        column.as_ref().and_then(|values| values.get(k)).copied().unwrap_or(f64::NAN)
-    };
-    (0..log.len())
-        .map(|k| Seen {
-            drive: match kind {
-                Drive::Voltage => at(&log.voltage_v, k),
-                Drive::Current => at(&log.current_a, k),
-            },
-            current: if kind == Drive::Voltage { at(&log.current_a, k) } else { f64::NAN },
-            motor: log.motor_angle_rad.get(k).copied().unwrap_or(f64::NAN),
-            output: at(&log.output_angle_rad, k),
-        })
-        .collect()
 }

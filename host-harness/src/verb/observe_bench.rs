@@ -9,17 +9,26 @@ use serde_json::{Value, json};
 
 use super::{Common, Failure, Outcome};
 use crate::observe::baseline::Baseline;
-use crate::observe::bench::{Case, Score, simulated};
+use crate::observe::bench::{Case, Error, simulated};
+use crate::observe::score::Score;
+use crate::observe::set;
 use crate::output::OutDir;
 
 /// Measure the observer against truth, with baselines beside it
 ///
-/// Draws joints at random, makes the model of each wrong in one way, and runs the observer (f32) and
-/// every baseline on the same samples, with and without output encoder. Writes `observe-bench.json`.
+/// On logs: every folder within `--set` that holds `nominal.toml`, an unloaded `calibration.csv`,
+/// `log.csv` and its `truth.csv` is a case; the model is refitted on the calibration first. Else on
+/// joints drawn at random. The observer (f32) and every baseline are given the same model, right and
+/// wrong in one way after the other, and the same samples, with and without output encoder. Writes
+/// `observe-bench.json`, and of logs the estimates over the truth as `NAME-SENSORS.svg`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
-  joint observe-bench --simulate 200 --out bench")]
+  joint observe-bench --simulate 200 --out bench
+  joint observe-bench --set logs --out bench")]
 pub struct Args {
+    /// Folder of cases with truth
+    #[arg(long, value_name = "DIR", conflicts_with = "simulate")]
+    pub set: Option<PathBuf>,
     /// Number of simulated joints
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub simulate: usize,
@@ -34,28 +43,41 @@ pub struct Args {
 /// Runs the verb.
 ///
 /// # Errors
-/// A result that may not be overwritten, or a joint that cannot be built.
+/// A case that cannot be read, a result that may not be overwritten, or a joint that cannot be
+/// built.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let folders = args.set.as_deref().map(set::cases).transpose()?;
     let out = OutDir::new(&args.out, common.force)?;
-    let bar = common.progress(args.simulate as u64, "observing");
-    let cases: Result<Vec<Vec<Case>>, _> = (0..args.simulate)
+    let count = folders.as_ref().map_or(args.simulate, Vec::len);
+    let bar = common.progress(count as u64, "observing");
+    let cases: Result<Vec<Vec<Case>>, Failure> = (0..count)
         .into_par_iter()
         .map(|number| {
-            let cases = simulated(number, args.seed);
+            let cases = match &folders {
+                Some(folders) => set::case(&folders[number])?,
+                None => simulated(number, args.seed)
+                    .map_err(|error| Failure::check(error.to_string()))?,
+            };
             bar.inc(1);
-            cases
+            Ok(cases)
         })
         .collect();
     bar.finish_and_clear();
-    let cases: Vec<Case> =
-        cases.map_err(|error| Failure::check(error.to_string()))?.into_iter().flatten().collect();
+    let cases: Vec<Case> = cases?.into_iter().flatten().collect();
     let json = json!({
-        "joints": args.simulate,
-        "seed": args.seed,
+        "joints": count,
+        "seed": folders.is_none().then_some(args.seed),
         "cases": cases.iter().map(case).collect::<Vec<_>>(),
     });
     let pretty =
         serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
+    if folders.is_some() {
+        for case in &cases {
+            let Some(plot) = &case.plot else { continue };
+            let sensors = if case.output { "both" } else { "motor" };
+            out.write(&format!("{}-{sensors}.svg", case.joint), plot)?;
+        }
+    }
     let path = out.write("observe-bench.json", pretty)?;
     Ok(Outcome::done(json, format!("{}{}", table(&cases), path.display())))
 }
@@ -68,6 +90,7 @@ fn case(case: &Case) -> Value {
         "model_error": case.error.name(),
         "output_encoder": case.output,
         "observer": score(&case.observer),
+        "load_rms_of_peak_with_the_right_model": case.right,
         "baselines": baselines,
     })
 }
@@ -76,65 +99,75 @@ fn score(score: &Score) -> Value {
     let known = |value: f64| value.is_finite().then_some(value);
     json!({
         "load_rms_of_peak": known(score.load),
+        "load_outside_jumps_rms_of_peak": known(score.calm),
+        "first_windup_rms_of_peak": known(score.first),
         "windup_rms_of_peak": known(score.windup),
         "friction_rms_of_rms": known(score.friction),
+        "friction_and_load_rms_of_rms": known(score.both),
         "t90_s": known(score.t90_s),
-        "load_within_1_sigma": known(score.within[0]),
-        "load_within_2_sigma": known(score.within[1]),
+        "load_within_sigmas": score.within[0].map(known),
+        "windup_within_sigmas": score.within[1].map(known),
+        "friction_within_sigmas": score.within[2].map(known),
     })
 }
 
 /// Medians over joints, by joint, sensors, model error and method.
 fn table(cases: &[Case]) -> String {
-    let mut rows: BTreeMap<(String, bool, _, Option<Baseline>), Vec<Score>> = BTreeMap::new();
+    // A score, and times the error that the right model had.
+    type Marked = (Score, f64);
+    type Key = (String, bool, Error, Option<Baseline>);
+    let mut rows: BTreeMap<Key, Vec<Marked>> = BTreeMap::new();
     for case in cases {
         let mut put = |method, score| {
             let key = (case.joint.clone(), case.output, case.error, method);
             rows.entry(key).or_default().push(score);
         };
-        put(None, case.observer);
-        case.baselines.iter().for_each(|(kind, score)| put(Some(*kind), *score));
+        put(None, (case.observer, case.observer.load / case.right));
+        case.baselines.iter().for_each(|(kind, score)| put(Some(*kind), (*score, f64::NAN)));
     }
-    let mut text = format!(
-        "{:9} {:7} {:15} {:30} {:>4} {:>7} {:>8} {:>9} {:>7} {:>5} {:>5}\n",
-        "joint",
-        "sensors",
-        "model error",
-        "method",
-        "n",
-        "load %",
-        "windup %",
-        "friction %",
-        "t90 ms",
-        "1 σ %",
-        "2 σ %"
-    );
+    type Column = (&'static str, f64, fn(&(Score, f64)) -> f64);
+    const COLUMNS: [Column; 14] = [
+        ("load %", 100.0, |(s, _)| s.load),
+        ("× right", 1.0, |(_, times)| *times),
+        ("calm %", 100.0, |(s, _)| s.calm),
+        ("t90 ms", 1e3, |(s, _)| s.t90_s),
+        ("first %", 100.0, |(s, _)| s.first),
+        ("last %", 100.0, |(s, _)| s.windup),
+        ("fric %", 100.0, |(s, _)| s.friction),
+        ("both %", 100.0, |(s, _)| s.both),
+        ("load 1σ", 100.0, |(s, _)| s.within[0][0]),
+        ("2σ", 100.0, |(s, _)| s.within[0][1]),
+        ("last 1σ", 100.0, |(s, _)| s.within[1][0]),
+        ("2σ", 100.0, |(s, _)| s.within[1][1]),
+        ("fric 1σ", 100.0, |(s, _)| s.within[2][0]),
+        ("2σ", 100.0, |(s, _)| s.within[2][1]),
+    ];
+    let mut text =
+        format!("{:12} {:5} {:14} {:29} {:>3}", "joint", "seen", "model error", "method", "n");
+    for (name, ..) in COLUMNS {
+        let _ = write!(text, " {name:>7}");
+    }
+    text.push('\n');
     for ((joint, output, error, method), scores) in rows {
-        let of = |value: &dyn Fn(&Score) -> f64, scale: f64| {
-            let mut values: Vec<f64> =
-                scores.iter().map(value).filter(|value| !value.is_nan()).collect();
-            values.sort_by(f64::total_cmp);
-            match values.get(values.len() / 2) {
-                Some(middle) if middle.is_finite() => format!("{:.1}", scale * middle),
-                Some(_) => "never".to_owned(),
-                None => "–".to_owned(),
-            }
-        };
-        let _ = writeln!(
+        let _ = write!(
             text,
-            "{:9} {:7} {:15} {:30} {:>4} {:>7} {:>8} {:>9} {:>7} {:>5} {:>5}",
-            joint,
+            "{joint:12} {:5} {:14} {:29} {:>3}",
             if output { "both" } else { "motor" },
             error.name(),
             method.map_or("observer", Baseline::name),
             scores.len(),
-            of(&|s| s.load, 100.0),
-            of(&|s| s.windup, 100.0),
-            of(&|s| s.friction, 100.0),
-            of(&|s| s.t90_s, 1e3),
-            of(&|s| s.within[0], 100.0),
-            of(&|s| s.within[1], 100.0),
         );
+        for (_, scale, value) in COLUMNS {
+            let mut values: Vec<f64> =
+                scores.iter().map(value).filter(|value| !value.is_nan()).collect();
+            values.sort_by(f64::total_cmp);
+            let _ = match values.get(values.len() / 2) {
+                Some(middle) if middle.is_finite() => write!(text, " {:>7.1}", scale * middle),
+                Some(_) => write!(text, " {:>7}", "never"),
+                None => write!(text, " {:>7}", "–"),
+            };
+        }
+        text.push('\n');
     }
     text
 }

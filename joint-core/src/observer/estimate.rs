@@ -30,6 +30,10 @@ pub struct Estimate<S, const N: usize> {
     /// Drive that is missing (V, or A where the current is imposed): of the order of what the
     /// resistance is off, times the current.
     pub bias: S,
+    /// Share of the model's resistance by which the winding's is larger.
+    pub resistance: S,
+    /// Share by which the torque constant exceeds the model's.
+    pub flux: S,
     /// One standard deviation of each.
     pub spread: Spread<S, N>,
     /// Which row of gains and deviations is in use, as [`Regime::row`](super::Regime::row) counts.
@@ -39,26 +43,54 @@ pub struct Estimate<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
-    /// Reads the estimate that the last [`Observer::update`] left.
+    /// Reads the estimate that the last [`Observer::update`] left. In fixed point most of it would
+    /// leave the range: read [`Observer::reading`] there.
     pub fn estimate(&self, track: &Track<S, N>) -> Estimate<S, N> {
+        let (units, gains) = (&self.joint.units, &self.gains);
+        let e = self.reading(track);
+        let si = |values: [S; N]| {
+            let mut values = values;
+            for (value, gain) in values.iter_mut().zip(&gains.windup) {
+                *value = value.times(*gain);
+            }
+            values
+        };
+        Estimate {
+            motor_velocity: e.motor_velocity.times(units.speed),
+            motor_friction: e.motor_friction.times(units.torque),
+            stage_friction: e.stage_friction.map(|torque| torque.times(units.torque)),
+            total_friction: e.total_friction.times(units.torque),
+            windup: si(e.windup),
+            output_velocity: e.output_velocity.times(gains.output_speed),
+            load: e.load.times(gains.load),
+            bias: e.bias.times(gains.drive),
+            spread: Spread {
+                motor_velocity: e.spread.motor_velocity.times(units.speed),
+                total_friction: e.spread.total_friction.times(units.torque),
+                windup: si(e.spread.windup).map(S::abs),
+                output_angle: e.spread.output_angle.times(gains.turn),
+                output_velocity: e.spread.output_velocity.times(gains.output_speed).abs(),
+                load: e.spread.load.times(gains.load).abs(),
+            },
+            ..e
+        }
+    }
+
+    /// The same in the joint's units ([`Bases`](crate::per_unit::Bases)), everything as it is felt at
+    /// the motor; the output angle's deviation is in turns of the output.
+    pub fn reading(&self, track: &Track<S, N>) -> Estimate<S, N> {
         let (joint, gains, state) = (&self.joint, &self.gains, &track.state);
-        let torque = joint.units.torque;
         let rotor = &state.rotor;
         let motor_friction = joint.rotor.felt(rotor);
         let mut total = motor_friction;
         let mut wound = S::ZERO;
         let mut stage_friction = [S::ZERO; N];
         let mut windup = [S::ZERO; N];
-        let constants = joint.stages.iter().zip(&gains.windup);
         let out = stage_friction.iter_mut().zip(&mut windup);
-        for ((stage, (own, gain)), (friction, windup)) in
-            state.stages.iter().zip(constants).zip(out)
-        {
-            let mass = &stage.mass;
-            let felt = own.friction.felt(mass);
-            total = total + felt;
-            *friction = felt.times(torque);
-            *windup = stage.deflection.times(*gain);
+        for ((stage, own), (friction, windup)) in state.stages.iter().zip(&joint.stages).zip(out) {
+            *friction = own.friction.felt(&stage.mass);
+            total = total + *friction;
+            *windup = stage.deflection;
             wound = wound + stage.deflection;
         }
         let last = state.stages.last().map_or(rotor.speed, |stage| stage.mass.speed);
@@ -68,16 +100,18 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         // Read as signed, the upper half of a turn counts back from the next.
         let turns = turns.wrapping_add(i32::from(base.0 > i32::MAX as u32));
         Estimate {
-            motor_velocity: rotor.speed.times(joint.units.speed),
-            motor_friction: motor_friction.times(torque),
+            motor_velocity: rotor.speed,
+            motor_friction,
             stage_friction,
-            total_friction: total.times(torque),
+            total_friction: total,
             windup,
             output_turns: turns.wrapping_add(more),
             output_part,
-            output_velocity: last.times(gains.output_speed),
-            load: track.load.times(gains.load),
-            bias: track.bias.times(gains.drive),
+            output_velocity: last,
+            load: track.load,
+            bias: track.bias,
+            resistance: track.ohm + track.flux,
+            flux: track.flux,
             spread: match gains.spread.get(usize::from(track.row)) {
                 Some(spread) => *spread,
                 None => Spread::filled(S::ZERO),

@@ -136,6 +136,11 @@ impl<G: Copy, const N: usize> Spread<G, N> {
 pub struct Design<const N: usize> {
     /// By [`Regime::row`] and channel.
     pub sets: [[Column<f64, N>; CHANNELS]; SETS],
+    /// Change of the resistance, as a share of the model's, for one standard deviation of the
+    /// current's innovation at a current of one ampere, A⁻¹.
+    pub ohm: f64,
+    /// Change of the flux, as a share of the model's, for the same at a speed of one rad/s, s/rad.
+    pub flux: f64,
     /// Wind-up of the last stage from which the gains are those of a bent spring, rad.
     pub bent: f64,
     /// One standard deviation of the innovations: A, rad of the rotor, rad of the output.
@@ -166,6 +171,10 @@ pub struct Design<const N: usize> {
     pub most_load_nm: f64,
     /// Largest drive believed to be missing, V or A.
     pub most_bias: f64,
+    /// Largest deviation of the resistance believed, as a share of the model's.
+    pub most_ohm: f64,
+    /// The same of the flux.
+    pub most_flux: f64,
     /// Where the current sensor ends, A; infinite where it does not.
     pub most_current_a: f64,
     /// Standard deviations by [`Regime::row`].
@@ -177,7 +186,7 @@ pub struct Design<const N: usize> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub(crate) struct Whiten<S: Scalar> {
-    /// One over the innovation's standard deviation, per-unit or in turns.
+    /// One over so many standard deviations of the innovation, per-unit or in turns.
     pub(crate) per_sigma: S::Gain,
     /// The largest innovation believed, in the same unit.
     pub(crate) gate: S,
@@ -189,6 +198,10 @@ pub(crate) struct Whiten<S: Scalar> {
 #[cfg_attr(feature = "serde", serde(bound = ""))]
 pub struct Gains<S: Scalar, const N: usize> {
     pub(crate) sets: [[Column<S::Gain, N>; CHANNELS]; SETS],
+    pub(crate) ohm: S::Gain,
+    pub(crate) flux: S::Gain,
+    /// Share of the final current in the mean of a step, beside the starting one.
+    pub(crate) winding: S::Gain,
     pub(crate) bent: S,
     pub(crate) whiten: [Whiten<S>; CHANNELS],
     pub(crate) leak: [S::Gain; Regime::COUNT],
@@ -204,6 +217,8 @@ pub struct Gains<S: Scalar, const N: usize> {
     pub(crate) most_energy: S,
     pub(crate) most_load: S,
     pub(crate) most_bias: S,
+    pub(crate) most_ohm: S,
+    pub(crate) most_flux: S,
     pub(crate) most_current: S,
     pub(crate) most_drive: S,
     pub(crate) most_speed: S,
@@ -217,6 +232,8 @@ pub struct Gains<S: Scalar, const N: usize> {
     /// SI of one per-unit: output speed, load, and each wind-up.
     pub(crate) output_speed: S::Gain,
     pub(crate) load: S::Gain,
+    /// Radians of a turn.
+    pub(crate) turn: S::Gain,
     /// Volts (amperes where the current is imposed) of one per-unit of drive.
     pub(crate) drive: S::Gain,
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
@@ -236,6 +253,7 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
         let turn = core::f64::consts::TAU;
         let units = Bases::of(motor, stages, step_s);
         let shaft = units.shaft(N);
+        let winding = winding(motor, step_s);
         let drive = match drive {
             Drive::Voltage => units.resistance * units.current,
             Drive::Current => units.current,
@@ -245,37 +263,63 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             stage += 1;
             S::gain(units.shaft(stage) * units.angle)
         });
-        let column = |c: &Column<f64, N>| Column {
-            current: S::gain(c.current / units.current),
-            angle: S::gain(c.angle / turn),
-            speed: S::gain(c.speed / units.speed),
-            stages: c.stages.map(|row| StageRow {
-                deflection: S::gain(row.deflection / units.angle),
-                speed: S::gain(row.speed / units.speed),
-            }),
-            load: S::gain(c.load * shaft / units.torque),
-            slope: S::gain(c.slope * shaft / units.torque),
-            bias: S::gain(c.bias / drive),
-        };
         let [current, motor, output] = design.sigma;
-        let whiten = [current / units.current, motor / turn, output / turn].map(|sigma| Whiten {
-            per_sigma: S::gain(1.0 / sigma),
+        let own = [current / units.current, motor / turn, output / turn];
+        let sigma = own.map(|sigma| sigma.max(LEAST_SIGMA));
+        let mut many = [SIGMAS; CHANNELS];
+        for ((many, sigma), own) in many.iter_mut().zip(sigma).zip(own) {
+            *many *= sigma / own;
+        }
+        let column = |c: &Column<f64, N>, many: f64| Column {
+            current: S::gain(many * c.current / units.current),
+            angle: S::gain(many * c.angle / turn),
+            speed: S::gain(many * c.speed / units.speed),
+            stages: c.stages.map(|row| StageRow {
+                deflection: S::gain(many * row.deflection / units.angle),
+                speed: S::gain(many * row.speed / units.speed),
+            }),
+            load: S::gain(many * c.load * shaft / units.torque),
+            slope: S::gain(many * c.slope * shaft / units.torque),
+            bias: S::gain(many * c.bias / drive),
+        };
+        let set = |set: &[Column<f64, N>; CHANNELS]| {
+            let [current, motor, output] = set;
+            let [a, b, c] = many;
+            [column(current, a), column(motor, b), column(output, c)]
+        };
+        let lean = |[current, motor, output]: [f64; CHANNELS]| {
+            let [a, b, c] = many;
+            [S::gain(a * current), S::gain(b * motor), S::gain(c * output)]
+        };
+        let [by_current, ..] = many;
+        let whiten = sigma.map(|sigma| Whiten {
+            per_sigma: S::gain(1.0 / (SIGMAS * sigma)),
             gate: S::from_f64((design.gate * sigma).min(MOST_INNOVATION)),
         });
+        let reflected = |windup: [f64; N]| {
+            let mut stage = 0;
+            windup.map(|own| {
+                stage += 1;
+                S::from_f64(own / libm::fabs(units.shaft(stage) * units.angle))
+            })
+        };
         let spread = |s: &Spread<f64, N>| Spread {
-            motor_velocity: S::from_f64(s.motor_velocity),
-            total_friction: S::from_f64(s.total_friction),
-            windup: s.windup.map(S::from_f64),
-            output_angle: S::from_f64(s.output_angle),
-            output_velocity: S::from_f64(s.output_velocity),
-            load: S::from_f64(s.load),
+            motor_velocity: S::from_f64(s.motor_velocity / units.speed),
+            total_friction: S::from_f64(s.total_friction / units.torque),
+            windup: reflected(s.windup),
+            output_angle: S::from_f64((s.output_angle / turn).min(MOST_INNOVATION)),
+            output_velocity: S::from_f64(s.output_velocity / (libm::fabs(shaft) * units.speed)),
+            load: S::from_f64(s.load * libm::fabs(shaft) / units.torque),
         };
         Self {
-            sets: design.sets.each_ref().map(|set| set.each_ref().map(column)),
+            sets: design.sets.each_ref().map(set),
+            ohm: S::gain(by_current * design.ohm * units.current),
+            flux: S::gain(by_current * design.flux * units.speed),
+            winding: S::gain(winding),
             bent: S::from_f64((design.bent / units.angle_at(N)).abs().min(LARGE)),
             whiten,
             leak: design.leak.map(S::gain),
-            lean: design.lean.map(|row| row.map(S::gain)),
+            lean: design.lean.map(lean),
             follow: S::gain(design.follow),
             alarm: S::from_f64(design.alarm),
             hold: design.hold,
@@ -283,10 +327,12 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             lively: (S::from_f64(design.lively.0), design.lively.1),
             settled: design.settled,
             settle: S::gain(1.0 / f64::from(design.settled.max(2))),
-            strange: S::from_f64(design.strange),
-            most_energy: S::from_f64(4.0 * design.strange),
+            strange: S::from_f64(design.strange / (SIGMAS * SIGMAS)),
+            most_energy: S::from_f64(4.0 * design.strange / (SIGMAS * SIGMAS)),
             most_load: S::from_f64(design.most_load_nm * libm::fabs(shaft) / units.torque),
             most_bias: S::from_f64(design.most_bias / drive),
+            most_ohm: S::from_f64(design.most_ohm),
+            most_flux: S::from_f64(design.most_flux),
             most_current: S::from_f64((design.most_current_a / units.current).min(LARGE)),
             most_drive: S::from_f64(LARGE),
             most_speed: S::from_f64(LARGE),
@@ -296,12 +342,26 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             geared: Geared::new(shaft),
             output_speed: S::gain(shaft * units.speed),
             load: S::gain(units.torque / shaft),
+            turn: S::gain(turn),
             drive: S::gain(drive),
             windup,
             spread: design.spread.each_ref().map(spread),
         }
     }
 }
+
+/// Share of its final value in the mean current of a step that begins at another.
+pub fn winding(motor: &Motor, step_s: f64) -> f64 {
+    let lag = motor.phase_inductance_h / motor.phase_resistance_ohm;
+    // Without resistance the current has no final value.
+    if lag.is_finite() { 1.0 - lag / step_s * -libm::expm1(-step_s / lag) } else { 0.0 }
+}
+
+/// Innovations are counted in this many standard deviations: what is believed of them then stays
+/// within one in fixed point.
+pub(crate) const SIGMAS: f64 = 64.0;
+/// A smaller standard deviation of an angle, in turns, has no gain in fixed point.
+const LEAST_SIGMA: f64 = 1.0 / (SIGMAS * 32_767.0);
 
 /// A larger innovation of an angle, in turns, is not told from one the other way round.
 const MOST_INNOVATION: f64 = 0.45;

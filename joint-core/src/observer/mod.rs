@@ -3,12 +3,14 @@
 //! One model step predicts, a few dozen multiply-adds correct: the gains are designed on the host
 //! ([`Design`]) and constant within a [`Regime`], so an update costs a fifth of a full Kalman filter
 //! and always the same. Beside the joint's own state it carries the load torque and its slope, and a
-//! voltage that the drive did not mean to put out, without which every ohm that is off would pass
-//! for a load.
+//! voltage that the drive did not mean to put out and a resistance that the model does not know,
+//! without which every ohm that is off would pass for a load.
 //!
 //! ```text
-//! state ← step(state, u + bias, load + slope),  load ← load + slope,  slope ← leak · slope
+//! state ← step(state, u + bias − ohm · R i − flux · k_e ω, load + slope)
+//! load ← load + slope,  slope ← leak · slope
 //! (state, load, slope, bias) ← … + Σ_c K_c(regime) · (y_c − ŷ_c)/σ_c
+//! ohm ← ohm + K_ohm · i · (y_i − ŷ_i)/σ_i,  flux ← flux + K_flux · ω · (y_i − ŷ_i)/σ_i
 //! ```
 //!
 //! An [`Observer`] never changes; a [`Track`] is what moves. In the drive's interrupt:
@@ -25,11 +27,11 @@ mod turn;
 mod update;
 
 pub use estimate::Estimate;
-pub use gains::{CHANNELS, Column, Design, Gains, Regime, SETS, Spread, StageRow};
+pub use gains::{CHANNELS, Column, Design, Gains, Regime, SETS, Spread, StageRow, winding};
 pub use health::Status;
 pub use turn::{Encoder, Geared, Turn};
 
-use crate::joint::{Input, Joint, State};
+use crate::joint::{Joint, State};
 use crate::scalar::Scalar;
 
 /// What the drive knows at one sampling instant.
@@ -68,7 +70,12 @@ pub struct Track<S, const N: usize> {
     pub slope: S,
     /// Drive beside the applied one, per-unit.
     pub bias: S,
-    input: Input<S>,
+    /// Share by which the winding's resistance exceeds the model's, less that of the flux.
+    pub ohm: S,
+    /// Share by which the magnets' flux, and with it k_t and k_e, exceeds the model's.
+    pub flux: S,
+    /// Drive that is applied from the last sample on, per-unit.
+    drive: S,
     /// Running mean of the innovations' lean.
     lean: S,
     /// Steps left in [`Regime::Alert`].

@@ -23,8 +23,15 @@ const OUTPUT_SILENCE: u16 = 3;
 const FIRST: u16 = 8;
 /// Steps for which friction must have held the rotor before that is a rest and no reversal.
 const STILL: u16 = 10;
-/// Standard deviations in a step from which a speed is measured over that step alone.
-const FAST: u8 = 8;
+
+/// What an update sees of a sample.
+#[derive(Clone, Copy, Debug, Default)]
+struct Looked<S> {
+    found: [S; CHANNELS],
+    status: Status,
+    /// Whether no rotor angle was believed.
+    blind: bool,
+}
 
 impl<S, const N: usize> Track<S, N> {
     /// What the last update said of itself.
@@ -44,7 +51,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             load: S::ZERO,
             slope: S::ZERO,
             bias: S::ZERO,
-            input: Input::default(),
+            ohm: S::ZERO,
+            flux: S::ZERO,
+            drive: S::ZERO,
             lean: S::ZERO,
             alert: 0,
             often: S::ZERO,
@@ -70,13 +79,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             self.predict(track);
             self.correct(track, sample)
         };
-        let held = self.joint.input(sample.drive, S::ZERO);
-        let drive = held.drive.abs() <= self.gains.most_drive;
-        if drive {
-            track.input = held;
+        let drive = self.joint.input(sample.drive, S::ZERO).drive;
+        let known = drive.abs() <= self.gains.most_drive;
+        if known {
+            track.drive = drive;
         }
         track.last = *sample;
-        track.status = status.with_if(!drive, Status::NO_DRIVE);
+        track.status = status.with_if(!known, Status::NO_DRIVE);
         track.status
     }
 
@@ -87,18 +96,22 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         if let Some(leak) = self.gains.leak.get(track.regime as usize) {
             track.slope = track.slope.times(*leak);
         }
-        let drive = track.input.drive + track.bias;
+        let drive = track.drive + track.bias;
+        let State { current, rotor, .. } = &track.state;
+        let flowing = *current + (drive - rotor.speed - *current).times(self.gains.winding);
+        let drive = drive - track.ohm * flowing - track.flux * rotor.speed;
         self.joint.step(&mut track.state, Input { drive, load: track.load });
     }
 
-    /// Innovations in standard deviations, zero where there is none to believe; and the flags that
+    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none to believe; and the flags that
     /// go with them.
     #[inline(always)]
-    fn innovations(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> ([S; CHANNELS], Status) {
+    fn innovations(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Looked<S> {
         let gains = &self.gains;
         let state = &track.state;
         let [by_current, by_motor, by_output] = &gains.whiten;
         let mut status = Status::OK;
+        let mut blind = true;
         let mut found = [S::ZERO; CHANNELS];
         let [current, motor, output] = &mut found;
 
@@ -108,15 +121,15 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 *motor = ahead.times(by_motor.per_sigma);
                 track.missed = 0;
                 track.doubts = 0;
+                blind = false;
             }
             Some(_) if repeats(sample, &track.last) => {
                 track.missed = track.missed.saturating_add(1);
-                return ([S::ZERO; CHANNELS], Status::REPEATED);
+                return Looked { status: Status::REPEATED, blind: true, ..Looked::default() };
             }
             Some(_) => {
                 status = status.with(Status::GLITCH);
                 track.doubts = track.doubts.saturating_add(1);
-                track.missed = track.missed.saturating_add(1);
             }
             None => {
                 status = status.with(Status::COASTING);
@@ -142,25 +155,41 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         if !self.joint.current_imposed {
             match sample.current.map(|amperes| amperes.times(gains.per_ampere)) {
                 Some(measured) if measured.abs() < gains.most_current => {
+                    // Currents are those that give their torque with the model's flux.
+                    let measured = measured + measured * track.flux;
                     let shown = self.joint.effects.measured_current(state.current);
-                    let ahead = bounded(measured - shown, by_current.gate);
+                    let ahead = measured - shown;
+                    let ahead = match ahead.abs() > by_current.gate {
+                        true => at_bound(ahead, by_current.gate),
+                        false => ahead,
+                    };
                     *current = ahead.times(by_current.per_sigma);
                 }
                 _ => status = status.with(Status::NO_CURRENT),
             }
         }
 
-        if motor.abs() > S::from_small(3) && repeats(sample, &track.last) {
-            found = [S::ZERO; CHANNELS];
-            status = status.with(Status::REPEATED);
+        // Four standard deviations.
+        let eighth = S::HALF * S::HALF * S::HALF;
+        if motor.abs() > eighth * S::HALF && repeats(sample, &track.last) {
+            return Looked { status: Status::REPEATED, ..Looked::default() };
         }
-        (found, status)
+        Looked { found, status, blind }
     }
 
     #[inline(always)]
     fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
         let gains = &self.gains;
-        let (found, mut status) = self.innovations(track, sample);
+        let Looked { found, mut status, blind } = self.innovations(track, sample);
+        if status == Status::REPEATED {
+            let silent = blind && track.missed > SILENCE;
+            if silent {
+                self.restart(track);
+            }
+            return status
+                .with_if(silent, Status::LOST)
+                .with_if(track.age < gains.settled, Status::STARTING);
+        }
         let seen = N > 0 && track.output_missed < OUTPUT_SILENCE;
 
         let mut lean = S::ZERO;
@@ -174,9 +203,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let energy = if energy > gains.most_energy { gains.most_energy } else { energy };
         track.energy = track.energy + (energy - track.energy).times(gains.settle);
         let alarm = track.lean.abs() > gains.alarm;
-        track.alert = if alarm { gains.hold } else { track.alert.saturating_sub(1) };
-        let heard = if alarm { S::ONE } else { S::ZERO };
-        track.often = track.often + (heard - track.often).times(gains.often);
+        let often = track.often.times(gains.often);
+        if alarm {
+            track.alert = gains.hold;
+            track.often = track.often - often + S::ONE.times(gains.often);
+        } else {
+            track.alert = track.alert.saturating_sub(1);
+            track.often = track.often - often;
+        }
         let (most, hold) = gains.lively;
         track.lively = if track.often > most { hold } else { track.lively.saturating_sub(1) };
 
@@ -195,29 +229,49 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         track.regime = regime;
         track.held = if held { track.held.saturating_add(1) } else { 0 };
         let row = regime.row(seen, bent);
+        let (current, speed) = (track.state.current, track.state.rotor.speed);
         track.row = row as u8;
         if let Some(set) = gains.sets.get(row) {
             self.apply(track, set, &found);
         }
 
-        let (load, bias) = (track.load, track.bias);
-        track.load = bounded(load, gains.most_load);
-        track.bias = bounded(bias, gains.most_bias);
-        let starting = track.age < gains.settled;
-        track.age = track.age.saturating_add(1);
+        let [by_current, ..] = found;
+        track.ohm = track.ohm + current * by_current.times(gains.ohm);
+        track.flux = track.flux + speed * by_current.times(gains.flux);
+        for (value, most) in [
+            (&mut track.load, gains.most_load),
+            (&mut track.bias, gains.most_bias),
+            (&mut track.ohm, gains.most_ohm),
+            (&mut track.flux, gains.most_flux),
+        ] {
+            if value.abs() > most {
+                *value = at_bound(*value, most);
+                status = status.with(Status::BOUNDED);
+            }
+        }
+        if track.age < gains.settled {
+            track.age += 1;
+            status = status.with(Status::STARTING);
+        }
         status = status
-            .with_if(load != track.load || bias != track.bias, Status::BOUNDED)
             .with_if(track.energy > gains.strange, Status::MISMATCH)
-            .with_if(starting, Status::STARTING)
-            .with_if(track.held > STILL && !seen, Status::UNOBSERVABLE)
-            .with_if(track.missed > SILENCE, Status::LOST);
+            .with_if(track.held > STILL && !seen, Status::UNOBSERVABLE);
+        let silent = blind && track.missed > SILENCE;
+        let lost = silent || blind && track.doubts > DOUBTS;
         let sound = track.state.rotor.speed.abs() <= gains.most_speed;
-        if !sound || track.doubts > DOUBTS || track.missed > SILENCE {
-            let turns = track.state.angle.whole;
-            let last = track.last;
-            *track = Track { last, status, ..self.start(turns) };
+        if lost || !sound {
+            status = status.with_if(silent, Status::LOST);
+            self.restart(track);
         }
         status
+    }
+
+    /// Starts anew, with what is slow kept.
+    #[cold]
+    #[inline(never)]
+    fn restart(&self, track: &mut Track<S, N>) {
+        let Track { last, drive, ohm, flux, .. } = *track;
+        *track = Track { last, drive, ohm, flux, ..self.start(track.state.angle.whole) };
     }
 
     /// Adds the gains times the innovations, and to the forces that the step keeps what follows from
@@ -229,16 +283,18 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         [first, second, third]: &[Column<S::Gain, N>; CHANNELS],
         found: &[S; CHANNELS],
     ) {
-        let [current, motor, output] = *found;
+        let [by_current, by_motor, by_output] = *found;
         let sum = |a: S::Gain, b: S::Gain, c: S::Gain| {
-            let both = current.times(a) + motor.times(b);
-            if N > 0 { both + output.times(c) } else { both }
+            let both = by_current.times(a) + by_motor.times(b);
+            if N > 0 { both + by_output.times(c) } else { both }
         };
         macro_rules! sum {
             ($($field:tt)+) => { sum(first.$($field)+, second.$($field)+, third.$($field)+) };
         }
         let State { current, angle, rotor, stages, .. } = &mut track.state;
-        *current = *current + sum!(current);
+        // The winding settles faster than an angle tells of it: the output's has no say in what is
+        // electrical.
+        *current = *current + (by_current.times(first.current) + by_motor.times(second.current));
         // The next step's sum wraps it.
         angle.part = angle.part + sum!(angle);
         rotor.speed = rotor.speed + sum!(speed);
@@ -256,7 +312,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         track.load = track.load + sum!(load);
         track.slope = track.slope + sum!(slope);
-        track.bias = track.bias + sum!(bias);
+        track.bias = track.bias + (by_current.times(first.bias) + by_motor.times(second.bias));
     }
 
     /// The first samples: an angle, then a speed.
@@ -277,12 +333,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         let [_, motor, _] = &self.gains.whiten;
         let last = track.age == 1;
-        let fast = moved.times(motor.per_sigma).abs() > S::from_small(FAST);
+        let eighth = S::HALF * S::HALF * S::HALF;
+        // Eight standard deviations in a step: its speed is measured over that step alone.
+        let fast = moved.times(motor.per_sigma).abs() > eighth;
         if !(last && fast) && track.age + 1 < FIRST {
             track.age += 1;
             return status;
         }
-        let eighth = S::HALF * S::HALF * S::HALF;
         let speed = if last && fast { moved } else { moved * eighth }.times(self.gains.per_turn);
         let state = &mut track.state;
         state.angle.advance(moved);
@@ -308,7 +365,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
 }
 
 /// Whether a sample shows the very same measurements as the one before.
-#[inline(never)]
+#[inline(always)]
 fn repeats<S: Scalar>(sample: &Sample<S>, last: &Sample<S>) -> bool {
     sample.motor == last.motor && sample.output == last.output && sample.current == last.current
 }
@@ -342,14 +399,9 @@ fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
     (beyond - shown).split_turns().1
 }
 
-/// The value within ± `most`.
-#[inline(always)]
-fn bounded<S: Scalar>(value: S, most: S) -> S {
-    if value > most {
-        most
-    } else if value < -most {
-        -most
-    } else {
-        value
-    }
+/// The bound that a value is past.
+#[cold]
+#[inline(never)]
+fn at_bound<S: Scalar>(value: S, most: S) -> S {
+    if value < S::ZERO { -most } else { most }
 }
