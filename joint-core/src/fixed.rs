@@ -153,6 +153,14 @@ impl Scalar for Fixed {
     const ONE: Fixed = Fixed(UNIT);
     const HALF: Fixed = Fixed(UNIT / 2);
     const SIXTH: Fixed = Fixed((UNIT + 3) / 6);
+    const EIGHTH: Fixed = Fixed(UNIT / 8);
+    const ELEVEN_TWELFTHS: Fixed = Fixed(UNIT - (UNIT + 6) / 12);
+    const REACH: f64 = 1.0;
+    const PER_REACH: Fixed = Fixed(UNIT);
+    const SWING: Fixed = Fixed(UNIT / 16);
+    const RELAXING: [Fixed; 2] = [Fixed(UNIT), Fixed(UNIT / 2)];
+    const SQUARE: f64 = 1.0;
+    const PER_SQUARE: Fixed = Fixed(UNIT);
 
     /// Beyond 32768 a constant stops; below 2⁻³² it is zero.
     fn gain(value: f64) -> Gain {
@@ -434,7 +442,7 @@ mod tests {
         for reach in sweep(-3.0, 3.0) {
             for zeta in [-1.2, -0.3, 0.0, 0.8] {
                 let (rho, level) = (0.8, 1.25);
-                let exact = zeta.relaxed(reach, rho, level);
+                let exact = zeta.relaxed(reach * f64::REACH, rho, level);
                 let to = Fixed::from_f64;
                 let found = to(zeta).relaxed(to(reach), to(rho), to(level)).to_f64();
                 assert!((found - exact).abs() < 3e-5, "{reach} {zeta}: {found} {exact}");
