@@ -90,7 +90,7 @@ impl<S: Scalar> Curve<S> {
     /// Slope of |v| ρ, the bristle's slip over ζ.
     #[inline(always)]
     fn slope(&self) -> S {
-        self.rho + self.steepness * S::PER_SQUARE
+        self.rho + self.steepness.per_square()
     }
 }
 
@@ -156,17 +156,25 @@ impl<S: Scalar> Friction<S> {
     /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
     pub(crate) fn settle(&self, mass: &mut Mass<S>, inverse_level: S) {
         let (curve, reach) = (self.curve(mass.speed), mass.speed.times(self.kappa));
-        self.keep(mass, mass.bristle.zeta, &curve, reach, inverse_level);
+        self.keep(mass, mass.bristle.zeta, &curve, reach, Some(inverse_level));
     }
 
     /// Puts the bristle at ζ. Its torque σ0 z + σ1 ż is kept as a tangent in the speed: what there is
     /// of it at standstill is the mass's force to begin with.
     #[inline(always)]
-    fn keep(&self, mass: &mut Mass<S>, zeta: S, curve: &Curve<S>, reach: S, inverse_level: S) {
-        let along = zeta.along(mass.speed) * inverse_level;
+    fn keep(
+        &self,
+        mass: &mut Mass<S>,
+        zeta: S,
+        curve: &Curve<S>,
+        reach: S,
+        inverse_level: Option<S>,
+    ) {
+        let levelled = |value: S| inverse_level.map_or(value, |level| value * level);
+        let along = levelled(zeta.along(mass.speed));
         mass.bristle.zeta = zeta;
         mass.bristle.slipping = along * curve.slope();
-        let climb = curve.steepness * reach.abs() * inverse_level;
+        let climb = levelled(curve.steepness.nearest(reach.abs()));
         mass.force = -zeta.nearest(self.level + climb.times(self.per_reach));
     }
 
@@ -175,11 +183,11 @@ impl<S: Scalar> Friction<S> {
     #[inline(always)]
     pub(crate) fn flow(&self, mass: &mut Mass<S>, turn: Option<&Turn<S>>) -> Half<S> {
         let curve = self.curve(mass.speed);
-        let y = mass.speed.times(self.kappa);
+        let y = mass.speed.times_nearest(self.kappa);
         let zeta =
             Self::turned(mass.bristle.zeta, turn, Half { reach: y.abs(), slope: curve.slope() });
         let zeta = zeta.relaxed(y, curve.rho, curve.level);
-        self.keep(mass, zeta, &curve, y, S::ONE);
+        self.keep(mass, zeta, &curve, y, None);
         Half { reach: y.abs(), slope: curve.slope() }
     }
 
@@ -188,15 +196,15 @@ impl<S: Scalar> Friction<S> {
     #[inline(always)]
     pub(crate) fn flow_exactly(&self, mass: &mut Mass<S>, turn: Option<&Turn<S>>) -> Half<S> {
         let curve = self.curve(mass.speed);
-        let y = mass.speed.times(self.kappa);
         let Bristle { zeta, lost, .. } = mass.bristle;
+        let (y, lost) = mass.speed.reached(self.kappa, lost);
         let zeta = match turn {
             Some(t) => zeta + zeta.nearest(t.share),
             None => zeta,
         };
         let (zeta, lost) = zeta.relaxed_exactly(lost, y, curve.rho, curve.level);
         mass.bristle.lost = lost;
-        self.keep(mass, zeta, &curve, y, S::ONE);
+        self.keep(mass, zeta, &curve, y, None);
         Half { reach: y.abs(), slope: curve.slope() }
     }
 
@@ -205,11 +213,8 @@ impl<S: Scalar> Friction<S> {
     fn turned(zeta: S, turn: Option<&Turn<S>>, now: Half<S>) -> S {
         match turn {
             Some(turn) => {
-                zeta + zeta.nearest(
-                    turn.share
-                        + ((now.reach - turn.half.reach) * (now.slope - turn.half.slope))
-                            * S::SWING,
-                )
+                let swung = (now.reach - turn.half.reach).nearest(now.slope - turn.half.slope);
+                zeta + zeta.nearest(turn.share + swung.swing())
             }
             None => zeta,
         }
@@ -249,7 +254,7 @@ impl<S: Scalar> Friction<S> {
         let zeta = Self::turned(zeta, turn, Half { reach: reach.abs(), slope });
         let (zeta, lost) = zeta.plus((series * (target - zeta)).over(S::ONE + series), lost);
         mass.bristle.lost = lost;
-        self.keep(mass, zeta, &curve, reach, end);
+        self.keep(mass, zeta, &curve, reach, Some(end));
         Half { reach: reach.abs(), slope: curve.slope() * end }
     }
 
@@ -297,7 +302,7 @@ impl<S: Scalar> Friction<S> {
     #[inline(always)]
     pub(crate) fn shift(&self, bristle: &Bristle<S>, force: S) -> S {
         let moved = force.times(self.stiffness);
-        moved - bristle.slipping * moved
+        moved - bristle.slipping.nearest(moved)
     }
 }
 

@@ -45,7 +45,7 @@ impl<S: Scalar> Spring<S> {
     /// Elastic torque.
     #[inline(always)]
     pub(crate) fn torque(&self, deflection: S) -> S {
-        self.secant(deflection) * deflection
+        self.secant(deflection).nearest(deflection)
     }
 
     /// Elastic torque over deflection.

@@ -122,6 +122,8 @@ pub struct StageState<S> {
     pub deflection: S,
     /// The mass behind it.
     pub mass: Mass<S>,
+    /// What rounding has taken of the deflection; see [`Scalar::drifted`].
+    pub(crate) lost: S,
 }
 
 /// All that moves in a joint of `N` stages.

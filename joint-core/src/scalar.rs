@@ -44,23 +44,20 @@ pub trait Scalar:
     const HALF: Self;
     /// One sixth.
     const SIXTH: Self;
-    /// One eighth.
-    const EIGHTH: Self;
     /// Eleven twelfths.
     const ELEVEN_TWELFTHS: Self;
+    /// Whether the middle kick's damping follows a rising force: not in fixed point, which is held to 2 %
+    /// and where products are dear.
+    const RISES: bool = true;
     /// Unit of the reach in [`Scalar::relaxed`], over the bristle's own: floats take 6^−⅓, which makes
     /// the cubic's first coefficient one and saves its product.
     const REACH: f64;
     /// One over it.
     const PER_REACH: Self;
-    /// A sixteenth of that.
-    const SWING: Self;
     /// Coefficients of a = p + x (q + r x) there, where r is one in floats.
     const RELAXING: [Self; 2];
     /// Unit of the square in [`Scalar::stribeck`], for the same reason.
     const SQUARE: f64;
-    /// One over it.
-    const PER_SQUARE: Self;
 
     /// A constant from its exact value.
     fn gain(value: f64) -> Self::Gain;
@@ -70,6 +67,23 @@ pub trait Scalar:
     fn to_f64(self) -> f64;
     /// Product with a constant.
     fn times(self, gain: Self::Gain) -> Self;
+    /// The same to the nearest number, where products add up step by step; see [`Scalar::nearest`].
+    #[inline(always)]
+    fn times_nearest(self, gain: Self::Gain) -> Self {
+        self.times(gain)
+    }
+    /// A bristle's motion at this speed, and what rounding has taken of those before: left out, a speed
+    /// too small for the product would creep on.
+    #[inline(always)]
+    fn reached(self, gain: Self::Gain, lost: Self) -> (Self, Self) {
+        (self.times(gain), lost)
+    }
+    /// The sum with a product, and what rounding has taken of those before: a float keeps nothing, since
+    /// it rounds by a share of the sum.
+    #[inline(always)]
+    fn drifted(self, lost: Self, change: Self, gain: Self::Gain) -> (Self, Self) {
+        (self + change.times(gain), lost)
+    }
     /// A small whole number.
     fn from_small(value: u8) -> Self;
     /// Quotient by a positive number that the dividend does not exceed; not for the plain step.
@@ -162,6 +176,31 @@ pub trait Scalar:
         self * Self::HALF
     }
 
+    /// An eighth of it.
+    fn eighth(self) -> Self;
+
+    /// A sixteenth of it, over [`Scalar::REACH`].
+    fn swing(self) -> Self;
+
+    /// What is in units of [`Scalar::SQUARE`] in units of one.
+    fn per_square(self) -> Self;
+
+    /// A speed after a gain at which it would lose the share `lost` = 2x of itself, by the implicit
+    /// midpoint rule with its quotient 1/(1 + x) expanded, to x² where that is asked for.
+    #[inline(always)]
+    fn kicked<const SQUARE: bool>(self, gained: Self, lost: Self) -> Self {
+        let x = lost.half();
+        let taken = if SQUARE { Self::ONE - x + x * x } else { Self::ONE - x };
+        self + gained * taken
+    }
+
+    /// A gain of speed without what rounding alone may have made: one unit of the last place would keep
+    /// a joint in stick trembling, and so creeping. Floats lose it in the sum.
+    #[inline(always)]
+    fn settled(self) -> Self {
+        self
+    }
+
     /// Three times it.
     #[inline(always)]
     fn thrice(self) -> Self {
@@ -218,15 +257,12 @@ impl Scalar for f32 {
     const ONE: f32 = 1.0;
     const HALF: f32 = 0.5;
     const SIXTH: f32 = 1.0 / 6.0;
-    const EIGHTH: f32 = 0.125;
     const ELEVEN_TWELFTHS: f32 = 11.0 / 12.0;
     const REACH: f64 = FLOAT_REACH;
     const PER_REACH: f32 = (1.0 / FLOAT_REACH) as f32;
-    const SWING: f32 = (0.0625 / FLOAT_REACH) as f32;
     const RELAXING: [f32; 2] =
         [(1.0 / FLOAT_REACH) as f32, (0.5 / (FLOAT_REACH * FLOAT_REACH)) as f32];
     const SQUARE: f64 = CUBE;
-    const PER_SQUARE: f32 = (1.0 / CUBE) as f32;
 
     fn gain(value: f64) -> f32 {
         value as f32
@@ -236,6 +272,19 @@ impl Scalar for f32 {
     }
     fn to_f64(self) -> f64 {
         f64::from(self)
+    }
+    #[inline(always)]
+    fn eighth(self) -> f32 {
+        self * 0.125
+    }
+    #[inline(always)]
+    fn swing(self) -> f32 {
+        const SWING: f32 = (0.0625 / FLOAT_REACH) as f32;
+        self * SWING
+    }
+    #[inline(always)]
+    fn per_square(self) -> f32 {
+        self * (1.0 / CUBE) as f32
     }
     #[inline(always)]
     fn times(self, gain: f32) -> f32 {
@@ -318,14 +367,11 @@ impl Scalar for f64 {
     const ONE: f64 = 1.0;
     const HALF: f64 = 0.5;
     const SIXTH: f64 = 1.0 / 6.0;
-    const EIGHTH: f64 = 0.125;
     const ELEVEN_TWELFTHS: f64 = 11.0 / 12.0;
     const REACH: f64 = FLOAT_REACH;
     const PER_REACH: f64 = 1.0 / FLOAT_REACH;
-    const SWING: f64 = 0.0625 / FLOAT_REACH;
     const RELAXING: [f64; 2] = [1.0 / FLOAT_REACH, 0.5 / (FLOAT_REACH * FLOAT_REACH)];
     const SQUARE: f64 = 1.0;
-    const PER_SQUARE: f64 = 1.0;
 
     fn gain(value: f64) -> f64 {
         value
@@ -334,6 +380,19 @@ impl Scalar for f64 {
         value
     }
     fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn eighth(self) -> f64 {
+        self * 0.125
+    }
+    #[inline(always)]
+    fn swing(self) -> f64 {
+        const SWING: f64 = 0.0625 / FLOAT_REACH;
+        self * SWING
+    }
+    #[inline(always)]
+    fn per_square(self) -> f64 {
         self
     }
     #[inline(always)]

@@ -10,7 +10,7 @@
 use crate::angle::Angle;
 use crate::effect::{Effects, Felt, Flow, Memory, Motion, Relaxation, Rubbing, Winding};
 use crate::friction::{Friction, Half, Turn};
-use crate::joint::{Input, Joint, Mass, State};
+use crate::joint::{Input, Joint, Mass, StageState, State};
 use crate::scalar::Scalar;
 
 /// Most masses that what effects remember may follow.
@@ -147,11 +147,19 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for (((stage, own), half), k) in stages.zip(&mut halves.masses).zip(0..N) {
             let turn = turn_of(&own.friction, &mut stage.mass, first, k);
             let after = stage.mass.speed;
-            stage.deflection = stage.deflection + (before - after).times(self.half_drift);
+            self.wind(stage, before - after);
             before = after;
             *half = own.friction.flow(&mut stage.mass, turn.as_ref());
         }
         halves
+    }
+
+    /// Winds a spring up for half a micro-step.
+    #[inline(always)]
+    fn wind(&self, stage: &mut StageState<S>, relative: S) {
+        let (wound, lost) = stage.deflection.drifted(stage.lost, relative, self.half_drift);
+        stage.deflection = wound;
+        stage.lost = lost;
     }
 
     /// The same where effects change friction levels on the way.
@@ -175,7 +183,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut behind = state.rotor.speed;
         for stage in &mut state.stages {
             let after = stage.mass.speed;
-            stage.deflection = stage.deflection + (behind - after).times(self.half_drift);
+            self.wind(stage, behind - after);
             behind = after;
         }
         let turned = match first {
@@ -425,7 +433,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             force = force + share * (mean + extra.mean) + extra.mean;
             lagging = extra.end;
         }
-        let apply = |drive| kick.apply(rotor.speed, state.current, force, rotor.damping, drive);
+        let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
+        let apply = |drive| match WHICH {
+            1 => kick.apply::<true>(speed, current, force, damping, drive),
+            _ => kick.apply::<false>(speed, current, force, damping, drive),
+        };
         if self.effects.has_drops() && !self.current_imposed {
             let (_, current) = apply(drive);
             let at = Winding {
@@ -444,20 +456,23 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let [outer, middle] = own.mobility;
             let mobility = if WHICH == 1 { middle } else { outer };
             let lost = mass.damping.times(mobility);
-            let x = lost.half();
-            let risen = if WHICH == 1 { rise(mass.force - *began, x) } else { S::ZERO };
-            let force = if WHICH == 1 { mass.force + risen } else { mass.force };
-            let gained = force.times(mobility) - lost.nearest(mass.speed);
-            let taken = if WHICH == 1 { S::ONE - x + x * x } else { S::ONE - x };
-            mass.speed = mass.speed + gained.nearest(taken);
+            let rises = WHICH == 1 && S::RISES;
+            let risen = if rises { rise(mass.force - *began, lost) } else { S::ZERO };
+            let force = if rises { mass.force + risen } else { mass.force };
+            // Together to the nearest: a damping rounded on its own would leave small swings alone.
+            let gained = (force - mass.damping.nearest(mass.speed)).times_nearest(mobility);
+            mass.speed = match WHICH {
+                1 => mass.speed.kicked::<true>(gained, lost),
+                _ => mass.speed.kicked::<false>(gained, lost),
+            };
         }
     }
 }
 
-/// What the middle kick's damping makes of a force that rises through the step, `x` being half the
+/// What the middle kick's damping makes of a force that rises through the step, `lost` being the
 /// share of the speed that it takes: the part −(ḟ ∂a/∂v) h²/48 of the splitting's double commutator, ḟ
 /// as the rise from the step's start to its middle.
 #[inline(always)]
-fn rise<S: Scalar>(risen: S, x: S) -> S {
-    (x * S::EIGHTH).nearest(risen)
+fn rise<S: Scalar>(risen: S, lost: S) -> S {
+    lost.half().eighth().nearest(risen)
 }
