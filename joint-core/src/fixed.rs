@@ -195,6 +195,9 @@ fn interpolated(square: i32) -> Fixed {
 impl Scalar for Fixed {
     type Gain = Gain;
 
+    const LARGEST: f64 = 32.0;
+    const LARGEST_GAIN: f64 = 32_768.0;
+
     const ZERO: Fixed = Fixed(0);
     const ONE: Fixed = Fixed(UNIT);
     const HALF: Fixed = Fixed(UNIT / 2);

@@ -36,6 +36,10 @@ pub trait Scalar:
     /// A constant of the model; a float is its own gain.
     type Gain: Copy + Debug + Default + PartialEq + Wire + 'static;
 
+    /// Where the format's numbers end; infinite for floats, whose end no joint comes near.
+    const LARGEST: f64 = f64::INFINITY;
+    /// Where its constants end.
+    const LARGEST_GAIN: f64 = f64::INFINITY;
     /// Zero.
     const ZERO: Self;
     /// One.
