@@ -10,9 +10,9 @@ use core::sync::atomic::{Ordering, compiler_fence};
 
 use semihosting::fs::File;
 use semihosting::io::{self, Read, Write};
-use semihosting::{eprintln, process};
+use semihosting::{eprintln, println, process};
 
-use crate::block::{BlockError, PAGE_BYTES};
+use crate::block::{Block, BlockError, PAGE_BYTES};
 use crate::samples::Checksum;
 
 /// Longest command line, and longest file name in it.
@@ -102,6 +102,38 @@ pub fn fill<'a>(
         }
     }
     Ok(buffer.get(..length).unwrap_or_default())
+}
+
+/// Hands a file's bytes to `work`, a buffer full at a time and the rest last.
+///
+/// # Errors
+/// The host could not read, or what `work` fails with.
+pub fn in_chunks(
+    file: &mut File,
+    name: &'static str,
+    buffer: &mut [u8],
+    mut work: impl FnMut(&[u8]) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let whole = buffer.len();
+    loop {
+        let bytes = fill(file, name, buffer)?;
+        work(bytes)?;
+        if bytes.len() < whole {
+            return Ok(());
+        }
+    }
+}
+
+/// The parameter block in the file that is the first argument; says which it is.
+///
+/// # Errors
+/// The file cannot be read, or the block is refused.
+pub fn read_block(buffer: &mut [u8]) -> Result<Block<'_>, Failure> {
+    let mut file = open(1, "parameters", Access::Read)?;
+    let block = Block::check(fill(&mut file, "parameters", buffer)?)?;
+    println!("parameters_crc32={:08x}", block.crc);
+    println!("stages={}", block.stages);
+    Ok(block)
 }
 
 /// A file written through a buffer, with the checksum of all that went into it.

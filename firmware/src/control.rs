@@ -4,10 +4,8 @@
 //! it asks no register and keeps no time. A measurement that its sensor cannot have shown is kept
 //! from the observer and flagged; what the observer itself doubts stands in the report's health.
 
-use core::f32::consts::TAU;
-
-use joint_core::observer::{self, Encoder, Estimate, Track};
-use joint_core::telemetry::{MAX_STAGES, Quantities, Report, Sample, Status};
+use joint_core::observer::{self, Encoder, Track};
+use joint_core::telemetry::{Quantities, Report, Sample, Status};
 
 use crate::admissible;
 use crate::block::{self, Block, BlockError};
@@ -98,7 +96,7 @@ impl<const N: usize> Control<N> {
             return Report::default();
         };
         let health = observer.update(track, &seen);
-        let (estimates, deviations) = read(&observer.estimate(track));
+        let estimate = observer.estimate(track);
         self.last = Some(sample);
         self.tick = self.tick.wrapping_add(missed);
         let report = Report {
@@ -107,8 +105,8 @@ impl<const N: usize> Control<N> {
             health: health.bits(),
             stages: N as u8,
             sample,
-            estimates,
-            deviations,
+            estimates: Quantities::of(&estimate),
+            deviations: Quantities::deviations_of(&estimate),
         };
         self.tick = self.tick.wrapping_add(1);
         report
@@ -154,31 +152,4 @@ impl<const N: usize> Control<N> {
             output: self.output.map(|encoder| encoder.turn(sample.output_counts)),
         }
     }
-}
-
-/// An estimate and its standard deviations as they are reported.
-fn read<const N: usize>(estimate: &Estimate<f32, N>) -> (Quantities, Quantities) {
-    let stages = |own: &[f32; N]| {
-        let mut all = [0.0; MAX_STAGES];
-        all.iter_mut().zip(own).for_each(|(to, from)| *to = *from);
-        all
-    };
-    let spread = &estimate.spread;
-    let estimates = Quantities {
-        motor_velocity_rad_per_s: estimate.motor_velocity,
-        total_friction_at_motor_nm: estimate.total_friction,
-        output_angle_rad: TAU * (estimate.output_turns as f32 + estimate.output_part),
-        output_velocity_rad_per_s: estimate.output_velocity,
-        load_torque_nm: estimate.load,
-        windup_rad: stages(&estimate.windup),
-    };
-    let deviations = Quantities {
-        motor_velocity_rad_per_s: spread.motor_velocity,
-        total_friction_at_motor_nm: spread.total_friction,
-        output_angle_rad: spread.output_angle,
-        output_velocity_rad_per_s: spread.output_velocity,
-        load_torque_nm: spread.load,
-        windup_rad: stages(&spread.windup),
-    };
-    (estimates, deviations)
 }

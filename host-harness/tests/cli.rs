@@ -187,3 +187,42 @@ fn every_verb_has_help_with_an_example() {
         assert!(text.contains("--json") && text.contains("--force"), "{verb}");
     }
 }
+
+#[test]
+fn a_kind_that_is_not_on_the_list_is_refused_with_the_list() {
+    let folder = folder();
+    let refused =
+        joint(folder.path(), "discover --model m.toml --log l.csv --out found --without clogging");
+    assert_eq!(refused.status.code(), Some(2));
+    let message = stderr(&refused);
+    assert!(message.contains("clogging") && message.contains("asymmetric-friction"), "{message}");
+}
+
+/// A signal is sent by the shell's `kill`: the standard library sends none.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_concludes_with_all_files_and_says_so() {
+    let folder = folder();
+    assert!(simulate(folder.path(), "").status.success());
+    std::fs::rename(folder.path().join("o.csv"), folder.path().join("l.csv")).unwrap();
+    let mut search = Command::new(env!("CARGO_BIN_EXE_joint"))
+        .args("discover --model m.toml --log l.csv --out found --json".split_whitespace())
+        .current_dir(folder.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Long enough for the handler to stand, far shorter than a search takes in a debug build.
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert!(search.try_wait().unwrap().is_none(), "the search ended before it was interrupted");
+    let sent = Command::new("kill").args(["-INT", &search.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let output = search.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("interrupt again to quit"), "{}", stderr(&output));
+    let verdict = std::fs::read_to_string(folder.path().join("found/verdict.json")).unwrap();
+    assert!(verdict.contains("interrupted: this is what was known by then"), "{verdict}");
+    for file in ["model.toml", "report.html", "residuals.csv"] {
+        assert!(folder.path().join("found").join(file).exists(), "{file}");
+    }
+}

@@ -4,6 +4,7 @@ use host_harness::demo::{actuator, riddle};
 use host_harness::discover::discover;
 use host_harness::discover::findings::{Answer, Findings};
 use host_harness::estimate::fit::Problem;
+use host_harness::estimate::noise::expected;
 use host_harness::estimate::parameters::Quantity;
 use host_harness::estimate::record::Record;
 use host_harness::estimate::refit::refit;
@@ -97,4 +98,33 @@ fn every_seed_of_the_demonstration_hides_one_effect_of_a_believable_size() {
         riddle.hidden.validate(1).unwrap();
         assert!(riddle.log.time_s.len() > 5000);
     }
+}
+
+#[test]
+fn behind_a_gap_the_filter_starts_anew_in_the_motion_that_the_encoder_shows() {
+    let truth = perturbed(&actuator(), 51);
+    let whole = record(&truth, &experiment(), 52).unwrap();
+    let mut broken = whole.clone();
+    let cut = |values: &mut Vec<f64>| drop(values.drain(700..1200));
+    cut(&mut broken.time_s);
+    cut(&mut broken.motor_angle_rad);
+    for values in [&mut broken.voltage_v, &mut broken.current_a, &mut broken.output_angle_rad] {
+        values.iter_mut().for_each(cut);
+    }
+    let per_sample = |log: &Log, pretend: bool| {
+        let mut record = Record::new(log, None);
+        if pretend {
+            record.cuts.clear();
+            record.starts.truncate(1);
+        }
+        let mask = vec![1.0; record.len()];
+        let noise = expected(&truth, &record);
+        let problem = Problem::new(&record, &mask);
+        let (_, innovations, _) = problem.design(&truth, &noise).unwrap();
+        problem.sum_of_squares(&innovations) / record.len() as f64
+    };
+    let (intact, gapped) = (per_sample(&whole, false), per_sample(&broken, false));
+    assert!((gapped / intact - 1.0).abs() < 0.1, "{gapped} beside {intact}");
+    let naive = per_sample(&broken, true);
+    assert!(naive > 2.0 * gapped, "a gap bridged by the model alone: {naive} beside {gapped}");
 }

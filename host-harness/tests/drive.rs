@@ -43,6 +43,24 @@ fn the_default_block_is_what_its_model_gives_and_the_firmware_accepts_it() {
 }
 
 #[test]
+fn the_examples_joint_is_what_its_model_gives_as_rust() {
+    let folder = tempfile::tempdir().unwrap();
+    let examples = firmware_folder().join("examples");
+    let model = examples.join("joint.toml");
+    let arguments = format!(
+        "export --model {} --format rust --input current --current-limit-a 2 --bus-v 12 --out j.rs",
+        model.display()
+    );
+    done(&joint(folder.path(), &arguments));
+    let fresh = std::fs::read(folder.path().join("j.rs")).unwrap();
+    let stored = std::fs::read(examples.join("src/joint.rs")).unwrap();
+    assert!(
+        fresh == stored,
+        "write firmware/examples/src/joint.rs anew, as firmware/examples/joint.toml says"
+    );
+}
+
+#[test]
 fn exported_rust_holds_the_same_block() {
     let folder = tempfile::tempdir().unwrap();
     let model = firmware_folder().join("default.toml");

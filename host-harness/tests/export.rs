@@ -209,6 +209,24 @@ fn an_fmu_gives_what_the_model_gives_step_by_step() {
 }
 
 #[test]
+fn a_joint_that_was_copied_elsewhere_still_exports_an_fmu() {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join("joint");
+    std::fs::copy(env!("CARGO_BIN_EXE_joint"), &copy).unwrap();
+    std::fs::write(folder.path().join("m.toml"), MODEL).unwrap();
+    let output = Command::new(copy)
+        .args("export --model m.toml --format fmu --out m.fmu".split(' '))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    Fmu::load(&folder.path().join("m.fmu"));
+}
+
+#[test]
 fn an_fmus_parameters_are_set_before_it_starts_and_not_after() {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return;

@@ -7,7 +7,7 @@
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -140,22 +140,36 @@ pub fn target_folder() -> PathBuf {
     }
 }
 
+/// Builds something for the chip, in release, into [`target_folder`].
+///
+/// # Panics
+/// There is no cargo.
+pub fn cargo_build(triple: &str, what: &[&str]) -> Output {
+    Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()))
+        .current_dir(workspace())
+        .args(["build", "--release", "--target", triple])
+        .args(what)
+        .arg("--target-dir")
+        .arg(target_folder())
+        .output()
+        .unwrap()
+}
+
+/// Says what the compiler said where it failed.
+///
+/// # Panics
+/// It did.
+pub fn built(output: &Output) {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 fn build(map: &str, triple: &str, what: &[&str], programs: &[&str]) -> PathBuf {
-    let (root, target) = (workspace(), target_folder());
+    let target = target_folder();
     let folder = target.join("boards").join(map);
     fs::create_dir_all(&folder).unwrap();
     let lock = File::create(target.join("boards/lock")).unwrap();
     lock.lock().unwrap();
-    let status = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()))
-        .current_dir(&root)
-        .args(["build", "--quiet", "--release", "--package", "firmware"])
-        .args(["--target", triple])
-        .args(what)
-        .arg("--target-dir")
-        .arg(&target)
-        .status()
-        .unwrap();
-    assert!(status.success(), "the firmware does not build for {map}");
+    built(&cargo_build(triple, &[&["--package", "firmware"], what].concat()));
     for program in programs {
         // By a rename, which leaves whole what another process may be running.
         let fresh = folder.join(format!("{program}.{}", std::process::id()));
@@ -196,17 +210,8 @@ pub fn run_elf(
         let page = page.display();
         command.args(["-device", &format!("loader,file={page},addr={address:#x},force-raw=on")]);
     }
-    let mut child = command
-        .current_dir(folder)
-        .args(["-M", board.machine(), "-display", "none", "-monitor", "none", "-serial", "null"])
-        .args(["-icount", "shift=0,sleep=off", "-semihosting-config", &semihosting])
-        .arg("-kernel")
-        .arg(elf)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    command.args(["-serial", "null", "-semihosting-config", &semihosting]);
+    let mut child = start(command, elf, board, folder);
     let stdout = collect(child.stdout.take());
     let stderr = collect(child.stderr.take());
     let start = Instant::now();
@@ -222,6 +227,43 @@ pub fn run_elf(
         thread::sleep(Duration::from_millis(5));
     };
     Run { stdout: stdout.join().unwrap(), stderr: stderr.join().unwrap(), code: status.code() }
+}
+
+/// Runs a program that never ends until it has sent that many bytes at the board's first serial port.
+///
+/// # Panics
+/// The emulator does not start or ends by itself, or the bytes do not come in two minutes.
+pub fn run_serial(elf: &Path, board: Board, folder: &Path, bytes: usize) -> Vec<u8> {
+    let sent = folder.join("serial.bin");
+    // One of an earlier run would count as this one's.
+    File::create(&sent).unwrap();
+    let mut command = Command::new(QEMU);
+    command.args(["-serial", "file:serial.bin"]);
+    let mut child = start(command, elf, board, folder);
+    let began = Instant::now();
+    let enough = || fs::metadata(&sent).is_ok_and(|file| file.len() >= bytes as u64);
+    while !enough() && began.elapsed() < TIME_LIMIT && child.try_wait().unwrap().is_none() {
+        thread::sleep(Duration::from_millis(5));
+    }
+    // It may have ended.
+    let _ = child.kill();
+    let end = child.wait_with_output().unwrap();
+    let sent = fs::read(&sent).unwrap();
+    assert!(sent.len() >= bytes, "{} bytes, {end:?}", sent.len());
+    sent
+}
+
+fn start(mut command: Command, elf: &Path, board: Board, folder: &Path) -> Child {
+    command
+        .current_dir(folder)
+        .args(["-M", board.machine(), "-display", "none", "-monitor", "none"])
+        .args(["-icount", "shift=0,sleep=off", "-kernel"])
+        .arg(elf)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
 }
 
 fn collect(pipe: Option<impl Read + Send + 'static>) -> thread::JoinHandle<String> {

@@ -35,15 +35,7 @@ fn the_header_is_current() {
 
 /// Builds the example in C.
 fn program(folder: &Path) -> PathBuf {
-    let target = qemu::target_folder();
-    let status = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()))
-        .current_dir(qemu::workspace())
-        .args(["build", "--quiet", "--release", "--package", "joint-capi"])
-        .args(["--target", qemu::TARGET, "--target-dir"])
-        .arg(&target)
-        .status()
-        .unwrap();
-    assert!(status.success(), "the C library does not build");
+    qemu::built(&qemu::cargo_build(qemu::TARGET, &["--package", "joint-capi"]));
     let (example, elf) = (capi().join("example"), folder.join("example"));
     let output = Command::new("arm-none-eabi-gcc")
         .args(["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"])
@@ -51,7 +43,7 @@ fn program(folder: &Path) -> PathBuf {
         .args(["--specs=rdimon.specs", "-T"])
         .arg(example.join("mps2.ld"))
         .args([example.join("main.c"), example.join("startup.c")])
-        .arg(target.join(qemu::TARGET).join("release/libjoint.a"))
+        .arg(qemu::target_folder().join(qemu::TARGET).join("release/libjoint.a"))
         .arg("-o")
         .arg(&elf)
         .output()

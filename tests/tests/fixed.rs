@@ -7,39 +7,20 @@ use std::path::Path;
 use firmware::{block, drill};
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Settings};
-use joint_core::params::{Friction, Load, Motor, Stage};
+use joint_core::params::{Load, Stage};
+use joint_tests::drive::{gear, motor};
 use joint_tests::qemu::{self, Board};
 
-fn friction(coulomb_nm: f64) -> Friction {
-    Friction {
-        sigma0_nm_per_rad: 5_000.0 * coulomb_nm,
-        sigma1_nm_s_per_rad: 0.04 * coulomb_nm,
-        sigma2_nm_s_per_rad: 1e-4 * coulomb_nm,
-        coulomb_nm,
-        stribeck_nm: 0.4 * coulomb_nm,
-        stribeck_velocity_rad_per_s: 20.0,
-    }
-}
-
+/// The micromotor with springs that fixed point steps: straight and without damping.
 fn joint() -> Joint<Fixed, 2> {
-    let motor = Motor {
-        phase_resistance_ohm: 4.55,
-        phase_inductance_h: 13e-6,
-        torque_constant_nm_per_a: 1.38e-3,
-        rotor_inertia_kg_m2: 9.5e-10,
-        friction: friction(9e-6),
-        ..Motor::default()
-    };
-    let stages = [(2e-9, 0.5, 2e-5), (8e-7, 15.0, 1e-3)].map(|(inertia, stiffness, level)| Stage {
-        reduction: 32.0,
-        inertia_kg_m2: inertia,
-        stiffness_nm_per_rad: stiffness,
-        friction: friction(level),
-        ..Stage::default()
+    let stages = gear().map(|stage| Stage {
+        cubic_stiffness_nm_per_rad3: 0.0,
+        damping_nm_s_per_rad: 0.0,
+        ..stage
     });
     let mut settings = Settings::new(Drive::Voltage, 50e-6);
     settings.micro_steps = Some(1);
-    Joint::<Fixed, 2>::new(&motor, &stages, &Load::default(), &settings).unwrap()
+    Joint::<Fixed, 2>::new(&motor(), &stages, &Load::default(), &settings).unwrap()
 }
 
 #[test]

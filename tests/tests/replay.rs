@@ -8,46 +8,12 @@ use firmware::replay::{ReplayedJoint, row_numbers, steps};
 use firmware::samples::Sample;
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::{Drive, Settings};
-use joint_core::params::{Friction, Load, Location, Motor, Stage};
+use joint_core::params::{Load, Location};
+use joint_tests::drive::{gear, motor};
 use joint_tests::qemu::{self, Board, Run};
 
 /// Not a multiple of the replay's block, so the torn last block is met too.
 const SAMPLES: usize = 5_003;
-
-fn friction(coulomb_nm: f64) -> Friction {
-    Friction {
-        sigma0_nm_per_rad: 5_000.0 * coulomb_nm,
-        sigma1_nm_s_per_rad: 0.04 * coulomb_nm,
-        sigma2_nm_s_per_rad: 1e-4 * coulomb_nm,
-        coulomb_nm,
-        stribeck_nm: 0.4 * coulomb_nm,
-        stribeck_velocity_rad_per_s: 20.0,
-    }
-}
-
-fn micromotor() -> Motor {
-    Motor {
-        phase_resistance_ohm: 4.55,
-        phase_inductance_h: 13e-6,
-        torque_constant_nm_per_a: 1.38e-3,
-        rotor_inertia_kg_m2: 9.5e-10,
-        friction: friction(9e-6),
-        ..Motor::default()
-    }
-}
-
-fn gear() -> [Stage; 2] {
-    [(2e-9, 0.5, 2e-5), (8e-7, 15.0, 1e-3)].map(|(inertia_kg_m2, stiffness, coulomb)| Stage {
-        reduction: 32.0,
-        inertia_kg_m2,
-        stiffness_nm_per_rad: stiffness,
-        cubic_stiffness_nm_per_rad3: 3.0 * stiffness,
-        damping_nm_s_per_rad: 1e-7,
-        worm_lead_angle_rad: 0.0,
-        worm_friction_coefficient: 0.0,
-        friction: friction(coulomb),
-    })
-}
 
 /// Held voltages (or currents) of both signs with stretches of zero in between, and a load that comes and goes:
 /// reversals, stick and denormals.
@@ -117,8 +83,7 @@ fn assert_same_bits<const N: usize>(name: &str, joint: &ReplayedJoint<N>) {
 #[test]
 fn a_two_stage_joint_gives_the_same_bits_on_every_board() {
     let settings = Settings::new(Drive::Voltage, 50e-6);
-    let joint =
-        ReplayedJoint::<2>::new(&micromotor(), &gear(), &Load::default(), &settings).unwrap();
+    let joint = ReplayedJoint::<2>::new(&motor(), &gear(), &Load::default(), &settings).unwrap();
     assert_same_bits("a_two_stage_joint_gives_the_same_bits_on_every_board", &joint);
 }
 
@@ -146,7 +111,7 @@ fn every_effect_acts_and_gives_the_same_bits_on_every_board() {
         };
         let joint = |effects: &[EffectParameters]| {
             let settings = Settings { effects, ..Settings::new(drive, 50e-6) };
-            ReplayedJoint::<2>::new(&micromotor(), &gear(), &Load::default(), &settings).unwrap()
+            ReplayedJoint::<2>::new(&motor(), &gear(), &Load::default(), &settings).unwrap()
         };
         let (plain, joint) = (joint(&[]), joint(&[effect]));
         let name = kind.spec().kind;
@@ -177,7 +142,7 @@ const SIZES: &[(&str, f64)] = &[
 #[test]
 fn a_direct_drive_with_an_imposed_current_gives_the_same_bits_on_every_board() {
     let settings = Settings::new(Drive::Current, 100e-6);
-    let mut motor = micromotor();
+    let mut motor = motor();
     motor.rotor_inertia_kg_m2 = 1e-6;
     let joint = ReplayedJoint::<0>::new(&motor, &[], &Load::default(), &settings).unwrap();
     assert_same_bits("a_direct_drive_gives_the_same_bits_on_every_board", &joint);
@@ -190,8 +155,7 @@ fn a_damaged_block_is_refused_by_name() {
         return;
     }
     let settings = Settings::new(Drive::Voltage, 50e-6);
-    let joint =
-        ReplayedJoint::<2>::new(&micromotor(), &gear(), &Load::default(), &settings).unwrap();
+    let joint = ReplayedJoint::<2>::new(&motor(), &gear(), &Load::default(), &settings).unwrap();
     let mut bytes = encoded(&joint);
     bytes[40] ^= 1;
     let (run, _) = replay(Board::NetduinoPlus2, name, &bytes);

@@ -21,7 +21,7 @@ mod on_board {
     use critical_section::Mutex;
     use firmware::board::{self, Access, Failure, InstructionCounter, Sink};
     use firmware::link::{self, Commands, Link, Messages};
-    use firmware::session::Session;
+    use firmware::session::{DEFAULT_RATE, Session};
     use heapless::mpmc::Queue;
     use joint_core::telemetry::frame::{MAX_FRAME, Reader};
     use joint_core::telemetry::{Command, Message, Sample, Status};
@@ -93,9 +93,12 @@ mod on_board {
         println!("parameters_crc32={:08x}", session.hello().parameters_crc);
         println!("block_version={}", session.hello().block_version);
         println!("start_stack_bytes={}", board::stack_used());
+        // Past the first report, so that every path is met: greeting, steps, a message.
         let bytes = board::stack_of(|| {
-            let sample = core::hint::black_box(Sample::default());
-            period(session, sample);
+            for k in 0..=i32::from(DEFAULT_RATE) {
+                let sample = Sample { motor_counts: k, ..Sample::default() };
+                period(session, core::hint::black_box(sample));
+            }
         });
         println!("tick_stack_bytes={bytes}");
         while MESSAGES.dequeue().is_some() {}
@@ -145,8 +148,7 @@ mod on_board {
         let mut link = Link::default();
         let mut chunk = [0; 64 * SAMPLE_BYTES];
         let mut fed = 0;
-        loop {
-            let bytes = board::fill(&mut log, "samples", &mut chunk)?;
+        board::in_chunks(&mut log, "samples", &mut chunk, |bytes| {
             for sample in bytes.as_chunks().0 {
                 while let Some(order) = next.as_ref().filter(|order| order.sequence <= fed) {
                     // The command is to find every earlier sample taken.
@@ -161,10 +163,8 @@ mod on_board {
                 }
                 fed += 1;
             }
-            if bytes.len() < 64 * SAMPLE_BYTES {
-                break;
-            }
-        }
+            Ok(())
+        })?;
         drain(fed, &mut link, &mut frames)?;
         SCB::clear_pendst();
         core.SYST.disable_interrupt();

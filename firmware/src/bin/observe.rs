@@ -30,10 +30,7 @@ mod on_board {
 
     fn load() -> Result<(), Failure> {
         let mut bytes = [0; BLOCK_BYTES];
-        let mut file = board::open(1, "parameters", Access::Read)?;
-        let block = Block::check(board::fill(&mut file, "parameters", &mut bytes)?)?;
-        println!("parameters_crc32={:08x}", block.crc);
-        println!("stages={}", block.stages);
+        let block = board::read_block(&mut bytes)?;
         match block.stages {
             0 => observe::<0>(&block),
             1 => observe::<1>(&block),
@@ -51,8 +48,7 @@ mod on_board {
         let mut chunk = [0; RECORDS * RECORD_BYTES];
         let mut count = 0;
         let (mut least, mut most, mut reading) = (u32::MAX, 0, 0);
-        loop {
-            let bytes = board::fill(&mut log, "log", &mut chunk)?;
+        board::in_chunks(&mut log, "log", &mut chunk, |bytes| {
             for record in bytes.as_chunks::<RECORD_BYTES>().0 {
                 let sample = from_bytes(record);
                 let (_, spent) = counter.measure(|| update(&observer, &mut track, &sample));
@@ -64,10 +60,8 @@ mod on_board {
                 }
                 row(&estimate, |number: f32| out.put(number.to_le_bytes()))?;
             }
-            if bytes.len() < RECORDS * RECORD_BYTES {
-                break;
-            }
-        }
+            Ok(())
+        })?;
         out.flush()?;
         println!("samples={count}");
         println!("estimates_crc32={:08x}", out.checksum());

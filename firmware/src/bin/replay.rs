@@ -23,10 +23,7 @@ mod on_board {
 
     fn load() -> Result<(), Failure> {
         let mut bytes = [0; BLOCK_BYTES];
-        let mut file = board::open(1, "parameters", Access::Read)?;
-        let block = Block::check(board::fill(&mut file, "parameters", &mut bytes)?)?;
-        println!("parameters_crc32={:08x}", block.crc);
-        println!("stages={}", block.stages);
+        let block = board::read_block(&mut bytes)?;
         match block.stages {
             0 => replay::<0>(&block),
             1 => replay::<1>(&block),
@@ -43,15 +40,12 @@ mod on_board {
         let mut states = Sink::new(board::open(3, "states", Access::Write)?, "states");
         let mut chunk = [0; BLOCK_SAMPLES * SAMPLE_BYTES];
         let mut count = 0;
-        loop {
-            let bytes = board::fill(&mut log, "log", &mut chunk)?;
+        board::in_chunks(&mut log, "log", &mut chunk, |bytes| {
             let put = |number: f32| states.put(number.to_le_bytes());
             steps(&joint, &mut state, samples(bytes), put)?;
             count += bytes.len() / SAMPLE_BYTES;
-            if bytes.len() < BLOCK_SAMPLES * SAMPLE_BYTES {
-                break;
-            }
-        }
+            Ok(())
+        })?;
         states.flush()?;
         println!("samples={count}");
         println!("states_crc32={:08x}", states.checksum());

@@ -35,46 +35,60 @@ pub fn relative_force_error(model: &Model, record: &Record) -> Option<f64> {
     let smooth = both_ways(&angle, 0.1);
     let speed = difference(&smooth, step);
     let acceleration = difference(&speed, step);
-    let effect = |kind: Kind| model.effects.iter().find(|effect| effect.kind == kind);
-    let offset = effect(Kind::CurrentOffset).map_or(0.0, |e| e.values[0]);
-    let (level, viscous) =
-        effect(Kind::AsymmetricFriction).map_or((0.0, 0.0), |e| (e.values[0], e.values[1]));
-    let friction = &model.motor.friction;
-    let inertia = model.motor.rotor_inertia_kg_m2 + model.load.inertia_kg_m2;
-    let load = &model.load;
-    let modelled: Vec<f64> = (0..angle.len())
-        .map(|k| {
-            let v = speed[k];
-            let sign = v.signum();
-            let relative = v / friction.stribeck_velocity_rad_per_s;
-            let g = friction.coulomb_nm + friction.stribeck_nm * (-relative * relative).exp();
-            let position: f64 = model
-                .effects
-                .iter()
-                .map(|e| match e.kind {
-                    Kind::Cogging => {
-                        let [n, a, phase, b, second, ..] = e.values;
-                        a * (n * angle[k] + phase).sin() + b * (2.0 * n * angle[k] + second).sin()
-                    }
-                    Kind::Gravity => e.values[0] * (angle[k] + e.values[1]).sin(),
-                    _ => 0.0,
-                })
-                .sum();
-            inertia * acceleration[k]
-                + sign * g * (1.0 + level * sign)
-                + friction.sigma2_nm_s_per_rad * v * (1.0 + viscous * sign)
-                + load.gravity_nm * (angle[k] + load.gravity_phase_rad).sin()
-                + position
-        })
-        .collect();
+    let offset = model.effects.iter().find(|effect| effect.kind == Kind::CurrentOffset);
+    let offset = offset.map_or(0.0, |effect| effect.values[0]);
+    let modelled: Vec<f64> =
+        (0..angle.len()).map(|k| load(model, angle[k], speed[k], acceleration[k])).collect();
     let constant = model.motor.torque_constant_nm_per_a;
-    let motor: Vec<f64> = record.drive_values.iter().map(|i| constant * (i - offset)).collect();
+    let motor: Vec<f64> = (0..angle.len())
+        .map(|k| constant * ripple(model, angle[k]) * (record.drive_values[k] - offset))
+        .collect();
     let (modelled, motor) = (both_ways(&modelled, 0.04), both_ways(&motor, 0.04));
     // The filters' own start and end are no measurement.
     let inner = EDGE..angle.len() - EDGE;
     let missed: f64 = inner.clone().map(|k| (motor[k] - modelled[k]).powi(2)).sum();
     let whole: f64 = inner.map(|k| motor[k].powi(2)).sum();
     (whole > 0.0).then(|| (missed / whole).sqrt())
+}
+
+/// What the motor must overcome at a motion in steady slip, Nm.
+fn load(model: &Model, angle: f64, speed: f64, acceleration: f64) -> f64 {
+    let friction = &model.motor.friction;
+    let sign = speed.signum();
+    let relative = speed / friction.stribeck_velocity_rad_per_s;
+    let mut level = friction.coulomb_nm + friction.stribeck_nm * (-relative * relative).exp();
+    let mut viscous = friction.sigma2_nm_s_per_rad;
+    let mut position = model.load.gravity_nm * (angle + model.load.gravity_phase_rad).sin();
+    for effect in &model.effects {
+        let [first, second, third, fourth, fifth, ..] = effect.values;
+        match effect.kind {
+            Kind::AsymmetricFriction => {
+                level *= 1.0 + first * sign;
+                viscous *= 1.0 + second * sign;
+            }
+            Kind::PositionDependentFriction => {
+                level *= 1.0 + first * (third * angle + second).sin()
+            }
+            Kind::QuadraticDrag => viscous += first * speed.abs(),
+            Kind::Cogging => {
+                position += second * (first * angle + third).sin()
+                    + fourth * (2.0 * first * angle + fifth).sin();
+            }
+            Kind::Gravity => position += first * (angle + second).sin(),
+            _ => {}
+        }
+    }
+    let inertia = model.motor.rotor_inertia_kg_m2 + model.load.inertia_kg_m2;
+    inertia * acceleration + sign * level + viscous * speed + position
+}
+
+/// What torque ripple makes of the torque constant.
+fn ripple(model: &Model, angle: f64) -> f64 {
+    let ripples = model.effects.iter().filter(|effect| effect.kind == Kind::TorqueRipple);
+    ripples.fold(1.0, |gain, effect| {
+        let [amplitude, phase, order, ..] = effect.values;
+        gain * (1.0 + amplitude * (order * angle + phase).cos())
+    })
 }
 
 /// A fourth-order Butterworth low-pass run forward and backward; `share` is its corner over the

@@ -3,6 +3,7 @@
 
 pub mod answer;
 pub mod candidates;
+pub mod comb;
 pub mod experiment;
 pub mod findings;
 pub mod force;

@@ -9,10 +9,13 @@
 use rayon::prelude::*;
 
 use super::candidates::{self, Scene};
+use super::comb::{self, comb};
 use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
 use super::score_test::{Gain, ScoreTest};
-use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, believable, threshold, title};
+use super::search::{
+    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, believable, threshold, title,
+};
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::Problem;
@@ -64,7 +67,7 @@ pub fn add_protected(
         let start = hypothesis.added(&protected.model);
         let fit = beside.fit(&origin, &start, &coordinates, &wary, 5)?;
         let fit = refit::polish(&problem, &origin, &fit.model, &coordinates, &expected, &wary)?;
-        let gain = match believable(&fit.model) {
+        let gain = match believable(&fit.model, problem.record) {
             true => cost(&base.fit) - cost(&fit),
             false => f64::NEG_INFINITY,
         };
@@ -78,6 +81,26 @@ pub fn add_protected(
         tried.push((Contender { name, gain }, Stage { fit, origin }));
     }
     tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    let alone = tried.first().map_or(0.0, |(winner, _)| winner.gain.max(0.0));
+    if !search.withdrawn.contains(&comb::NAME.0) {
+        let left = MOST_EFFECTS - search.rounds.len();
+        let found = comb(&problem, &base, (walk, &protected), [&expected, &wary], left)?;
+        if let Some(stage) = found {
+            let lines = stage.origin.effects.len() - base.origin.effects.len();
+            let gain = cost(&base.fit) - cost(&stage.fit);
+            if gain > alone + LEAST_GAIN * lines as f64 {
+                let rivals: Vec<_> = tried.into_iter().map(|(contender, _)| contender).collect();
+                search.rounds.extend((0..lines).map(|_| Round {
+                    name: comb::NAME,
+                    gain: gain / lines as f64,
+                    rivals: rivals.clone(),
+                    runner_up: None,
+                }));
+                search.after = stage;
+                return Ok(true);
+            }
+        }
+    }
     let mut tried = tried.into_iter();
     let Some((winner, stage)) = tried.next() else { return Ok(false) };
     if winner.gain.is_nan() || winner.gain < LEAST_GAIN {

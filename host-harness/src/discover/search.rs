@@ -20,13 +20,14 @@ use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::noise;
 use crate::estimate::parameters::Quantity;
+use crate::estimate::record::{Channel, Record};
 use crate::estimate::refit::{self, cost};
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
 
 /// Most effects that are added.
-const MOST_EFFECTS: usize = 4;
+pub const MOST_EFFECTS: usize = 4;
 /// Twins from which a round's threshold is taken.
 const TWINS: u64 = 6;
 /// Least that an effect must explain, in units of minus twice the log-likelihood: less is what a
@@ -265,7 +266,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
             Ok((hypothesis, Stage { fit, origin }))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
-    full.retain(|(_, stage)| believable(&stage.fit.model));
+    full.retain(|(_, stage)| believable(&stage.fit.model, problem.record));
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.
     let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
@@ -314,15 +315,30 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
 }
 
 /// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
-/// that sees the future. Behind gears two encoders may stand, of which only the difference is known.
-pub fn believable(model: &Model) -> bool {
+/// that sees the future, no torque that falls as the current of this record grows. Behind gears two
+/// encoders may stand, of which only the difference is known.
+pub fn believable(model: &Model, record: &Record) -> bool {
     let Some(effect) = model.effects.last() else { return true };
     let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
     let inside = values.all(|(spec, value)| {
         (value > spec.low || spec.low == 0.0) && (value < spec.high || spec.high == 0.0)
     });
     let ahead = effect.kind == Kind::SensorDelay && effect.values[0] < 0.0;
-    inside && !(ahead && model.stages.is_empty())
+    let falling =
+        effect.kind == Kind::TorqueSaturation && effect.values[0] < largest_current(record);
+    inside && !falling && !(ahead && model.stages.is_empty())
+}
+
+/// The largest current that a record shows, A; zero where it shows none.
+fn largest_current(record: &Record) -> f64 {
+    let finite =
+        |most: f64, value: f64| if value.is_finite() { most.max(value.abs()) } else { most };
+    match record.drive {
+        Drive::Current => record.drive_values.iter().copied().fold(0.0, finite),
+        Drive::Voltage => {
+            record.measured.iter().map(|row| row[Channel::Current as usize]).fold(0.0, finite)
+        }
+    }
 }
 
 /// The orders that are worth telling, strongest first.

@@ -55,10 +55,8 @@ pub fn locate(
     };
     let before = &before.model;
     let run = pushed(problem, before, noise, walk)?;
-    let series: Vec<f64> = run.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect();
-    let better = pushed(problem, after, noise, walk)?;
-    let series_after: Vec<f64> =
-        better.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect();
+    let series = of_push(&run);
+    let series_after = push_along(problem, after, noise, walk)?;
     let (equation, unit) = title(walk.equation, problem.record.drive, before.stages.len());
     let coordinates = coordinates(problem, before, &run);
     let mut best: Option<(f64, &str, Shape)> = None;
@@ -149,6 +147,24 @@ pub fn disagreeing(
         .collect::<Result<Vec<_>, BuildError>>()?;
     fits.sort_by(|a, b| cost(&b.1).total_cmp(&cost(&a.1)));
     Ok(fits.pop())
+}
+
+/// The push on one equation by sample.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn push_along(
+    problem: &Problem<'_>,
+    model: &Model,
+    noise: &Noise,
+    walk: Walk,
+) -> Result<Vec<f64>, BuildError> {
+    Ok(of_push(&pushed(problem, model, noise, walk)?))
+}
+
+/// The push of a run: its last state.
+fn of_push(run: &Run) -> Vec<f64> {
+    run.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect()
 }
 
 fn pushed(

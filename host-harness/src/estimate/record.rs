@@ -227,3 +227,50 @@ fn held(mut values: Vec<f64>) -> Vec<f64> {
     }
     values
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log(samples: usize) -> Log {
+        Log {
+            time_s: (0..samples).map(|k| k as f64 * 1e-3).collect(),
+            voltage_v: Some((0..samples).map(|k| k as f64).collect()),
+            motor_angle_rad: vec![0.0; samples],
+            ..Log::default()
+        }
+    }
+
+    #[test]
+    fn a_gap_is_a_start_before_which_something_was_cut_out() {
+        let mut log = log(1000);
+        for time in &mut log.time_s[400..] {
+            *time += 0.5;
+        }
+        let record = Record::new(&log, None);
+        assert_eq!((record.starts, record.cuts), (vec![0, 400], vec![400]));
+        // A few samples lost are none.
+        let mut log = self::log(1000);
+        for time in &mut log.time_s[400..] {
+            *time += 5e-3;
+        }
+        assert!(Record::new(&log, None).cuts.is_empty());
+    }
+
+    #[test]
+    fn a_long_record_is_thinned_to_stretches_from_first_sample_to_last() {
+        let mut log = log(10_000);
+        for time in &mut log.time_s[5_900..] {
+            *time += 0.5;
+        }
+        let record = Record::new(&log, None).thinned(4_000);
+        assert_eq!(record.len(), 4_000);
+        // The third stretch begins at sample 6,000: the gap before it falls away with its sample.
+        assert_eq!(record.cuts, [1_000, 2_000, 3_000]);
+        assert_eq!(record.starts, [0, 1_000, 2_000, 3_000]);
+        assert_eq!((record.drive_values[0], record.drive_values[3_999]), (0.0, 9_999.0));
+        assert_eq!(record.drive_values[1_000], 3_000.0);
+        let short = Record::new(&self::log(500), None);
+        assert_eq!(short.clone().thinned(500).time_s, short.time_s);
+    }
+}

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use firmware::block::{BlockError, PAGE_BYTES, encode};
 use firmware::parameters::{DriveJoint, Parameters, Sensing};
 use firmware::{admissible, session};
-use joint_core::observer::{Gains, Observer};
+use joint_core::observer::{Design, Gains, Observer};
 use joint_core::params::Stage;
 
 use super::{DriveOptions, ExportError};
@@ -32,14 +32,9 @@ fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<
     let stages: &[Stage; N] =
         model.stages.as_slice().try_into().map_err(|_| ExportError::Stages(N))?;
     let settings = settings(model, options.drive, options.period_s);
+    let design = designed::<N>(model, options)?;
     let joint = DriveJoint::<N>::new(&model.motor, stages, &model.load, &settings)
         .map_err(|error| ExportError::Parameter(error.to_string()))?;
-    let mut rating = Rating::of(model, options.drive);
-    rating.current_a = options.current_limit_a;
-    let tuning = Tuning::default();
-    let refused = |error: crate::plant::BuildError| ExportError::Parameter(error.to_string());
-    let design =
-        design::<N>(model, options.drive, options.period_s, &rating, &tuning).map_err(refused)?;
     let gains = Gains::new(&design, &model.motor, stages, options.drive, options.period_s);
     let parameters =
         Parameters { observer: Observer { joint, gains }, sensing: sensing(model, options) };
@@ -50,8 +45,19 @@ fn encoded<const N: usize>(model: &Model, options: &DriveOptions) -> Result<Vec<
     Ok(bytes)
 }
 
+/// The observer's design for a drive with these options.
+pub(super) fn designed<const N: usize>(
+    model: &Model,
+    options: &DriveOptions,
+) -> Result<Design<N>, ExportError> {
+    let mut rating = Rating::of(model, options.drive);
+    rating.current_a = options.current_limit_a;
+    design(model, options.drive, options.period_s, &rating, &Tuning::default())
+        .map_err(|error| ExportError::Parameter(error.to_string()))
+}
+
 /// What the drive must know of its sensors. An unknown encoder gets the firmware's default.
-fn sensing(model: &Model, options: &DriveOptions) -> Sensing {
+pub(super) fn sensing(model: &Model, options: &DriveOptions) -> Sensing {
     let default = Sensing::default();
     let counts = |per_turn: f64, default: u32| {
         if per_turn >= 1.0 { per_turn.round() as u32 } else { default }

@@ -2,7 +2,7 @@
 
 use std::env::consts::{ARCH, DLL_PREFIX, DLL_SUFFIX, OS};
 use std::io::{Cursor, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use joint_core::joint::Drive;
 use joint_fmu::{EffectDescription, Input, Joint, model_description};
@@ -70,21 +70,45 @@ fn platform() -> Result<&'static str, ExportError> {
     }
 }
 
-/// The shared library, which is built with this program: beside it, or among what it depends on.
+/// The shared library, which is built with this program: beside it, among what it depends on, or,
+/// where the program was copied or installed, where both were built.
 fn library() -> Result<PathBuf, ExportError> {
     let name = format!("{DLL_PREFIX}joint_fmu{DLL_SUFFIX}");
     let program =
         std::env::current_exe().map_err(|error| ExportError::Library(error.to_string()))?;
     let beside = program.parent().unwrap_or(&program);
-    [beside.join(&name), beside.join("deps").join(&name)]
+    let built = Path::new(env!("JOINT_BUILT_IN"));
+    [beside, built].into_iter().find_map(|folder| newest(folder, &name)).ok_or_else(|| {
+        ExportError::Library(format!(
+            "{name} is neither in {} nor in {}, where `joint` was built. In the folder of its source, \
+             run:\n  cargo build --release --package joint-fmu\n  cp target/release/{name} {}",
+            beside.display(),
+            built.display(),
+            beside.display(),
+        ))
+    })
+}
+
+/// In the folder, or in what cargo keeps of dependencies there; one of the two may be of an earlier
+/// build.
+fn newest(folder: &Path, name: &str) -> Option<PathBuf> {
+    [folder.join(name), folder.join("deps").join(name)]
         .into_iter()
         .filter(|path| path.is_file())
-        // One of the two may be of an earlier build.
         .max_by_key(|path| path.metadata().and_then(|file| file.modified()).ok())
-        .ok_or_else(|| {
-            ExportError::Library(format!(
-                "{name} is not in {}: it is built with `joint`; copy it from target/release/deps",
-                beside.display()
-            ))
-        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_is_found_beside_a_program_and_among_dependencies_and_else_not() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(newest(folder.path(), "l.so"), None);
+        let deps = folder.path().join("deps");
+        std::fs::create_dir(&deps).unwrap();
+        std::fs::write(deps.join("l.so"), []).unwrap();
+        assert_eq!(newest(folder.path(), "l.so"), Some(deps.join("l.so")));
+    }
 }

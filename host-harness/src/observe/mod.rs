@@ -7,6 +7,7 @@
 pub mod baseline;
 pub mod bench;
 pub mod design;
+pub mod drive;
 pub mod judge;
 pub mod linear;
 pub mod rating;

@@ -127,6 +127,8 @@ fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
     for (row, name) in [
         ("tick_f32_instructions", "tick_instructions"),
         ("frame_instructions", "frame_instructions"),
+        ("tick_stack_bytes", "tick_stack_bytes"),
+        ("start_stack_bytes", "start_stack_bytes"),
     ] {
         rows.extend(drive.get(name).map(|count| (row.to_owned(), *count)));
     }

@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use joint_core::effect::Kind;
+
 use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::discover::findings::{Answer, Findings};
-use crate::discover::{DiscoverError, STEPS, discover};
+use crate::discover::{DiscoverError, STEPS, discover_without};
 use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
@@ -28,6 +30,17 @@ pub struct Args {
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Kinds of effects that are not to be considered
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = kind)]
+    pub without: Vec<Kind>,
+}
+
+/// A kind by its name in model files.
+fn kind(name: &str) -> Result<Kind, String> {
+    Kind::from_name(name).ok_or_else(|| {
+        let known: Vec<&str> = Kind::ALL.iter().map(|kind| kind.spec().kind).collect();
+        format!("no such kind; the kinds are {}", known.join(", "))
+    })
 }
 
 /// Runs the verb.
@@ -41,7 +54,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let out = OutDir::new(&args.out, common.force)?;
     let bar = common.progress(STEPS, "discover");
     interrupt::watch();
-    let findings = discover(&model, &logs, &bar).map_err(failure)?;
+    let findings = discover_without(&model, &logs, &args.without, &bar).map_err(failure)?;
     bar.finish_and_clear();
     write(&out, &findings)?;
     let json = serde_json::to_value(&findings.verdict)

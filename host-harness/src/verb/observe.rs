@@ -1,6 +1,6 @@
 //! `joint observe`: the on-drive observer over a log.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use joint_core::joint::Drive;
@@ -11,6 +11,7 @@ use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::log::{Log, Need, compressed};
 use crate::model::Model;
 use crate::observe::design::{Tuning, design, gains};
+use crate::observe::drive;
 use crate::observe::rating::Rating;
 use crate::observe::run::{Found, Seen, observer, run as run_over};
 use crate::observe::table;
@@ -21,15 +22,23 @@ use crate::plant::{BuildError, by_stages};
 ///
 /// Writes motor speed, friction, wind-up, output motion and load torque with one standard deviation
 /// of each, and a status. Gains are designed from the model, its effects and its sensors. A log
-/// without `output_angle_rad` is observed from the motor alone.
+/// without `output_angle_rad` is observed from the motor alone. With `--block` it is what the drive
+/// would report with these very parameters, to the bit.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint observe --model refit/model.toml --log arm.csv --out observed.csv --scalar f32
+  joint observe --block joint.block --log arm.csv --out observed.csv
   joint identify --model arm.toml --log calibration.csv --out refit   (before it)")]
 pub struct Args {
     /// Model file
-    #[arg(long, value_name = "TOML")]
-    pub model: PathBuf,
+    #[arg(long, value_name = "TOML", required_unless_present = "block", conflicts_with = "block")]
+    pub model: Option<PathBuf>,
+    /// Parameter block of a drive, in place of a model
+    #[arg(long, value_name = "F", conflicts_with_all = ["scalar", "rated_load_nm"])]
+    pub block: Option<PathBuf>,
+    /// With a block: also write what the drive's sensors would show, as the program `hil` reads it
+    #[arg(long, value_name = "F", requires = "block")]
+    pub samples: Option<PathBuf>,
     /// Log to observe
     #[arg(long, value_name = "CSV")]
     pub log: PathBuf,
@@ -56,21 +65,51 @@ pub enum Scalar {
 /// Runs the verb.
 ///
 /// # Errors
-/// A file that cannot be read or written, or a model that cannot be observed.
+/// A file that cannot be read or written, or a model or block that cannot be observed.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let out = OutFile::new(&args.out, common.force)?;
-    let model = read_model(&args.model)?;
+    let (name, text, samples) = match (&args.block, &args.model) {
+        (Some(block), _) => in_drive(args, block, common)?,
+        (None, Some(model)) => designed(args, model, common)?,
+        (None, None) => return Err(Failure::input("a --model or a --block is needed")),
+    };
+    let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
+    Ok(Outcome::done(
+        json!({"out": path, "model": name, "samples": samples}),
+        format!("{}: {samples} samples of {name}", path.display()),
+    ))
+}
+
+/// Name, table and number of samples.
+type Observed = (String, String, usize);
+
+fn designed(args: &Args, path: &Path, common: &Common) -> Result<Observed, Failure> {
+    let model = read_model(path)?;
     let log = read_log(&args.log, Need::Drive)?;
     let bar = common.progress(0, "observing");
     let text = observed(args, &model, &log)
-        .map_err(|error| Failure::input(format!("{}: {error}", args.model.display())))?;
+        .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     bar.finish_and_clear();
-    let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
-    let samples = log.len();
-    Ok(Outcome::done(
-        json!({"out": path, "model": model.name, "samples": samples}),
-        format!("{}: {samples} samples of {}", path.display(), model.name),
-    ))
+    Ok((model.name, text, log.len()))
+}
+
+/// As the drive itself reports it.
+fn in_drive(args: &Args, path: &Path, common: &Common) -> Result<Observed, Failure> {
+    let shown = args.samples.as_ref().map(|path| OutFile::new(path, common.force)).transpose()?;
+    let refused = |place: &Path, error: &dyn std::fmt::Display| {
+        Failure::input(format!("{}: {error}", place.display()))
+    };
+    let block = std::fs::read(path).map_err(|error| refused(path, &error))?;
+    let mut control = drive::control(&block).map_err(|error| refused(path, &error))?;
+    let log = read_log(&args.log, Need::Drive)?;
+    let samples =
+        drive::samples(&log, &control.sensing()).map_err(|error| refused(&args.log, &error))?;
+    let reports: Vec<_> = samples.iter().map(|sample| control.tick(*sample, 0)).collect();
+    if let Some(shown) = shown {
+        let bytes: Vec<u8> = samples.iter().flat_map(|sample| sample.to_bytes()).collect();
+        shown.write(bytes)?;
+    }
+    Ok((path.display().to_string(), drive::table(&log.time_s, &reports), log.len()))
 }
 
 fn observed(args: &Args, model: &Model, log: &Log) -> Result<String, BuildError> {

@@ -7,6 +7,7 @@ use serde_json::json;
 use super::discover::{failure, write};
 use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::discover::{discover, discover_without};
+use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
 use crate::score::blind::trial;
@@ -15,7 +16,7 @@ use crate::score::{Row, Summary, cases, files, row, table};
 /// Run discover over logs whose truth is known, and score it
 ///
 /// Writes `score.json`, and each case's verdict, model, report and residuals in a folder of its
-/// own.
+/// own. An interrupt scores the cases that are done.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint score --set practice --out scores
@@ -44,10 +45,12 @@ pub struct Args {
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let out = OutDir::new(&args.out, common.force)?;
+    interrupt::watch();
     let rows = match (&args.set, args.simulate) {
         (Some(set), _) => of_set(set, args, &out, common)?,
         (None, count) => drawn(args.seed, count.unwrap_or(0), common)?,
     };
+    // An interrupted score is that of the cases before.
     let summary = Summary::of(&rows);
     let json = json!({"cases": rows, "summary": summary});
     let pretty =
@@ -68,6 +71,9 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
             logs.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
         let findings =
             discover(&model, &logs, &indicatif::ProgressBar::hidden()).map_err(failure)?;
+        if interrupt::asked() {
+            break;
+        }
         write(&out.folder(&case.case, common.force)?, &findings)?;
         rows.push(row(case, &findings.verdict));
         bar.inc(1);
@@ -86,6 +92,9 @@ fn drawn(seed: u64, count: u64, common: &Common) -> Result<Vec<Row>, Failure> {
         let withdrawn: Vec<_> = trial.withdrawn.into_iter().collect();
         let findings =
             discover_without(&trial.nominal, &[trial.log], &withdrawn, &hidden).map_err(failure)?;
+        if interrupt::asked() {
+            break;
+        }
         rows.push(row(&trial.case, &findings.verdict));
         bar.inc(1);
     }

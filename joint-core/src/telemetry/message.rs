@@ -3,9 +3,12 @@
 //! Payloads are little-endian and of fixed layout, so that a reader in any language is a page of
 //! code; docs/firmware.md has the table.
 
+use core::f32::consts::TAU;
+
 use heapless::Vec;
 
 use super::frame::{Get, Put};
+use crate::observer::Estimate;
 
 /// Most gear stages that a report tells of.
 pub const MAX_STAGES: usize = 3;
@@ -115,6 +118,31 @@ pub struct Quantities {
 }
 
 impl Quantities {
+    /// Those of an observer's estimate; stages past [`MAX_STAGES`] are left out.
+    pub fn of<const N: usize>(estimate: &Estimate<f32, N>) -> Self {
+        Self {
+            motor_velocity_rad_per_s: estimate.motor_velocity,
+            total_friction_at_motor_nm: estimate.total_friction,
+            output_angle_rad: TAU * (estimate.output_turns as f32 + estimate.output_part),
+            output_velocity_rad_per_s: estimate.output_velocity,
+            load_torque_nm: estimate.load,
+            windup_rad: by_stage(&estimate.windup),
+        }
+    }
+
+    /// One standard deviation of each.
+    pub fn deviations_of<const N: usize>(estimate: &Estimate<f32, N>) -> Self {
+        let spread = &estimate.spread;
+        Self {
+            motor_velocity_rad_per_s: spread.motor_velocity,
+            total_friction_at_motor_nm: spread.total_friction,
+            output_angle_rad: spread.output_angle,
+            output_velocity_rad_per_s: spread.output_velocity,
+            load_torque_nm: spread.load,
+            windup_rad: by_stage(&spread.windup),
+        }
+    }
+
     fn put(&self, stages: usize, put: &mut Put<'_>) {
         put.f32(self.motor_velocity_rad_per_s);
         put.f32(self.total_friction_at_motor_nm);
@@ -140,6 +168,12 @@ impl Quantities {
         }
         Some(own)
     }
+}
+
+fn by_stage<const N: usize>(own: &[f32; N]) -> [f32; MAX_STAGES] {
+    let mut all = [0.0; MAX_STAGES];
+    all.iter_mut().zip(own).for_each(|(to, from)| *to = *from);
+    all
 }
 
 /// One control period: what was measured and what is estimated from it.

@@ -34,14 +34,19 @@ fn orders(scene: &Scene<'_>, count: usize) -> Vec<f64> {
 }
 
 fn hypothesis(scene: &Scene<'_>, order: f64, double: bool) -> Hypothesis {
-    let scale = 0.05 * scene.torque_scale();
-    let phasor = |amplitude| Free::Phasor { amplitude, scale, sigma: 200.0 };
     let double = double && !taken(scene, 2.0 * order, 0.25);
-    let mut free = if double { vec![phasor(1), phasor(3)] } else { vec![phasor(1)] };
+    let mut line = line(order, 0.05 * scene.torque_scale(), double);
     if order.fract() != 0.0 {
         let turns = (scene.travel(0) / std::f64::consts::TAU).max(1e-9);
-        free.push(Free::Value { value: 0, scale: 0.05 / turns, sigma: 10.0 });
+        line.free.push(Free::Value { value: 0, scale: 0.05 / turns, sigma: 10.0 });
     }
+    line
+}
+
+/// A line that is not there yet, with its double or without; it matters from `scale` on, in Nm.
+pub(in super::super) fn line(order: f64, scale: f64, double: bool) -> Hypothesis {
+    let phasor = |amplitude| Free::Phasor { amplitude, scale, sigma: 200.0 };
+    let free = if double { vec![phasor(1), phasor(3)] } else { vec![phasor(1)] };
     Hypothesis {
         start: EffectParameters::new(Kind::Cogging, Location::Motor).with("order", order),
         free,

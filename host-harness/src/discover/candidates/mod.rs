@@ -6,7 +6,7 @@
 mod asymmetric_friction;
 mod backlash;
 mod coating;
-mod cogging;
+pub(super) mod cogging;
 mod current_gain;
 mod current_offset;
 mod dead_time;
