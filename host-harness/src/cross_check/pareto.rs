@@ -190,10 +190,10 @@ pub fn svg(points: &[Point]) -> String {
         let _ = write!(svg, "<text x=\"{x}\" y=\"{y}\" fill=\"{colour}\">● {method}</text>");
     }
     let (x, y) = (WIDTH - RIGHT + 14.0, TOP + 16.0 + 20.0 * methods.len() as f64);
-    let _ = write!(
+    let _ = writeln!(
         svg,
         "<text x=\"{x}\" y=\"{y}\">○ without each point's</text><text x=\"{x}\" y=\"{}\">worst \
-         scenario</text></svg>\n",
+         scenario</text></svg>",
         y + 15.0
     );
     svg
