@@ -35,6 +35,8 @@ const RULES: &[(&str, &str, Rule)] = &[
     ("", "kappa", Rule::NotNegative),
     ("Friction", "level", Rule::NotNegative),
     ("Friction", "stiffness", Rule::NotNegative),
+    ("", "standing", Rule::NotNegative),
+    ("", "per_reach", Rule::NotNegative),
     ("", "sigma1", Rule::NotNegative),
     ("", "sigma2", Rule::NotNegative),
     ("", "rotor_gamma", Rule::NotNegative),

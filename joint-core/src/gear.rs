@@ -45,7 +45,7 @@ impl<S: Scalar> Spring<S> {
     /// Elastic torque.
     #[inline(always)]
     pub(crate) fn torque(&self, deflection: S) -> S {
-        self.secant(deflection) * deflection
+        self.secant(deflection).nearest(deflection)
     }
 
     /// Elastic torque over deflection.
@@ -71,7 +71,7 @@ impl<S: Scalar> Spring<S> {
     pub(crate) fn slope(&self, deflection: S) -> S {
         let bent = deflection.times(self.cubic);
         let hardened = bent * bent;
-        self.secant(deflection) + hardened + hardened
+        self.linear + hardened.thrice()
     }
 
     /// Lets the damper act for half a step on the speeds before and after it.

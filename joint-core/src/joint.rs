@@ -122,6 +122,8 @@ pub struct StageState<S> {
     pub deflection: S,
     /// The mass behind it.
     pub mass: Mass<S>,
+    /// What rounding has taken of the deflection; see [`Scalar::drifted`].
+    pub(crate) lost: S,
 }
 
 /// All that moves in a joint of `N` stages.
@@ -204,6 +206,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let step = settings.step_s / f64::from(micro_steps);
         let half = step / 2.0;
         bases.half_step = half;
+        crate::range::check::<S>(&bases, stages, step)?;
         let Bases { torque, speed, angle, current, resistance, .. } = bases;
         let inertia = |mass| reflected_inertia(motor, stages, load, mass);
         let gamma = |inertia: f64| S::gain(step * step / (24.0 * inertia) * torque / angle);

@@ -61,6 +61,7 @@ pub mod observer;
 pub mod pace;
 pub mod params;
 pub mod per_unit;
+pub mod range;
 pub mod scalar;
 mod step;
 pub mod telemetry;

@@ -16,7 +16,7 @@ pub const MAX_MICRO_STEPS: u32 = 64;
 /// Turn of the fastest mode in a micro-step, rad, and growth of slip, as the logarithm of a speed,
 /// that each alone may fill a micro-step: together they may by the root of their squares. Found on
 /// random plants, where the error of those with as much of both is the largest.
-const PHASE: f64 = 0.57;
+const PHASE: f64 = 0.45;
 const GROWTH: f64 = 4.0 / 3.0;
 /// Largest growth of slip in a micro-step, whatever the mode.
 const LARGEST_GROWTH: f64 = 1.0;
@@ -98,7 +98,7 @@ impl Pace {
     }
 
     /// Micro-steps that a step of `step_s` seconds is to be divided into: the fastest mode turns by
-    /// at most 0.57 rad in one, less where slip grows as well; slip grows by at most e; and no mass
+    /// at most 0.45 rad in one, less where slip grows as well; slip grows by at most e; and no mass
     /// loses more than half its speed to damping in the middle kick.
     pub fn micro_steps(&self, step_s: f64) -> u32 {
         let both = libm::hypot(self.mode_rad_per_s / PHASE, self.growth_per_s / GROWTH);

@@ -42,24 +42,24 @@ impl<'a> Bases<'a> {
         }
     }
 
-    /// Units from the parameters: torque from the breakaway level of the whole joint, current from
+    /// Units from the parameters: torque of four times the breakaway level of the whole joint, current from
     /// the torque, speed from what that current's voltage would run at, deflection from the speed
-    /// over `step` seconds, doubled until no spring bends by more than sixteen under the torque.
+    /// over `step` seconds, doubled until no spring bends by more than sixteen under eight such torques.
     pub fn of(motor: &'a Motor, stages: &'a [Stage], step: f64) -> Self {
         let si = Self::si(motor, stages);
         let breakaway: f64 = (0..=stages.len()).map(|mass| si.breakaway(mass)).sum();
         let constant = motor.torque_constant_nm_per_a;
-        let torque = if breakaway > 0.0 { 16.0 * breakaway } else { constant };
+        let torque = if breakaway > 0.0 { 4.0 * breakaway } else { constant };
         let current = torque / constant;
         let speed = if si.resistance > 0.0 {
             si.resistance * current / constant
         } else {
             100.0 * motor.friction.stribeck_velocity_rad_per_s
         };
-        // Deflections under a torque of one unit stay below sixteen, by powers of two.
+        // Deflections under a torque of eight units stay below sixteen, by powers of two.
         let deepest = (1..=stages.len()).zip(stages).fold(0.0, |deepest: f64, (mass, stage)| {
             let shaft = libm::fabs(si.shaft(mass));
-            deepest.max(crate::pace::deflection(stage, torque / shaft) / shaft)
+            deepest.max(crate::pace::deflection(stage, 8.0 * torque / shaft) / shaft)
         });
         let mut angle = speed * step;
         while angle < deepest / 16.0 {

@@ -36,6 +36,10 @@ pub trait Scalar:
     /// A constant of the model; a float is its own gain.
     type Gain: Copy + Debug + Default + PartialEq + Wire + 'static;
 
+    /// Where the format's numbers end; infinite for floats, whose end no joint comes near.
+    const LARGEST: f64 = f64::INFINITY;
+    /// Where its constants end.
+    const LARGEST_GAIN: f64 = f64::INFINITY;
     /// Zero.
     const ZERO: Self;
     /// One.
@@ -44,6 +48,20 @@ pub trait Scalar:
     const HALF: Self;
     /// One sixth.
     const SIXTH: Self;
+    /// Eleven twelfths.
+    const ELEVEN_TWELFTHS: Self;
+    /// Whether the middle kick's damping follows a rising force: not in fixed point, which is held to 2 %
+    /// and where products are dear.
+    const RISES: bool = true;
+    /// Unit of the reach in [`Scalar::relaxed`], over the bristle's own: floats take 6^−⅓, which makes
+    /// the cubic's first coefficient one and saves its product.
+    const REACH: f64;
+    /// One over it.
+    const PER_REACH: Self;
+    /// Coefficients of a = p + x (q + r x) there, where r is one in floats.
+    const RELAXING: [Self; 2];
+    /// Unit of the square in [`Scalar::stribeck`], for the same reason.
+    const SQUARE: f64;
 
     /// A constant from its exact value.
     fn gain(value: f64) -> Self::Gain;
@@ -53,6 +71,23 @@ pub trait Scalar:
     fn to_f64(self) -> f64;
     /// Product with a constant.
     fn times(self, gain: Self::Gain) -> Self;
+    /// The same to the nearest number, where products add up step by step; see [`Scalar::nearest`].
+    #[inline(always)]
+    fn times_nearest(self, gain: Self::Gain) -> Self {
+        self.times(gain)
+    }
+    /// A bristle's motion at this speed, and what rounding has taken of those before: left out, a speed
+    /// too small for the product would creep on.
+    #[inline(always)]
+    fn reached(self, gain: Self::Gain, lost: Self) -> (Self, Self) {
+        (self.times(gain), lost)
+    }
+    /// The sum with a product, and what rounding has taken of those before: a float keeps nothing, since
+    /// it rounds by a share of the sum.
+    #[inline(always)]
+    fn drifted(self, lost: Self, change: Self, gain: Self::Gain) -> (Self, Self) {
+        (self + change.times(gain), lost)
+    }
     /// A small whole number.
     fn from_small(value: u8) -> Self;
     /// Quotient by a positive number that the dividend does not exceed; not for the plain step.
@@ -98,17 +133,19 @@ pub trait Scalar:
         (quarter - self.abs()).sin_turns()
     }
 
-    /// Of a Stribeck curve 1 + β exp(−s/2), for `s ≥ 0` and β above −1: the share of it that exceeds
+    /// Of a Stribeck curve 1 + β exp(−s/2), for `s ≥ 0` in units of [`Scalar::SQUARE`] and β above −1: the share of it that exceeds
     /// one, `β / (exp(s/2) + β)`, and the curve itself. Absolute error of the exponential below 4e-5
     /// (f32) and 1e-10 (f64).
     fn stribeck(self, beta: Self) -> (Self, Self);
 
-    /// A bristle at this deflection after a motion of `reach` in units of its reach, where it slips
-    /// at `level = 1/rho`: with x = |reach| ρ and a = 1 + x/2 + x²/6, `(ζ + reach a) / (1 + x a)`.
+    /// A bristle at this deflection after a motion of `reach` in units of [`Scalar::REACH`] times its
+    /// reach, where it slips at `level = 1/rho`: with x = |reach| ρ in units of one and
+    /// a = 1 + x/2 + x²/6, `(ζ + reach a) / (1 + x a)`.
     #[inline(always)]
     fn relaxed(self, reach: Self, rho: Self, _level: Self) -> Self {
+        let [p, q] = Self::RELAXING;
         let x = reach.abs() * rho;
-        let a = Self::ONE + x * (Self::HALF + x * Self::SIXTH);
+        let a = p + x * (q + x);
         (self + reach * a).over(Self::ONE + x * a)
     }
 
@@ -116,8 +153,9 @@ pub trait Scalar:
     /// be forgotten, and the joint would creep.
     #[inline(always)]
     fn relaxed_exactly(self, lost: Self, reach: Self, rho: Self, _level: Self) -> (Self, Self) {
+        let [p, q] = Self::RELAXING;
         let x = reach.abs() * rho;
-        let a = Self::ONE + x * (Self::HALF + x * Self::SIXTH);
+        let a = p + x * (q + x);
         self.plus((a * (reach - self * x)).over(Self::ONE + x * a), lost)
     }
 
@@ -140,6 +178,37 @@ pub trait Scalar:
     #[inline(always)]
     fn half(self) -> Self {
         self * Self::HALF
+    }
+
+    /// An eighth of it.
+    fn eighth(self) -> Self;
+
+    /// A sixteenth of it, over [`Scalar::REACH`].
+    fn swing(self) -> Self;
+
+    /// What is in units of [`Scalar::SQUARE`] in units of one.
+    fn per_square(self) -> Self;
+
+    /// A speed after a gain at which it would lose the share `lost` = 2x of itself, by the implicit
+    /// midpoint rule with its quotient 1/(1 + x) expanded, to x² where that is asked for.
+    #[inline(always)]
+    fn kicked<const SQUARE: bool>(self, gained: Self, lost: Self) -> Self {
+        let x = lost.half();
+        let taken = if SQUARE { Self::ONE - x + x * x } else { Self::ONE - x };
+        self + gained * taken
+    }
+
+    /// A gain of speed without what rounding alone may have made: one unit of the last place would keep
+    /// a joint in stick trembling, and so creeping. Floats lose it in the sum.
+    #[inline(always)]
+    fn settled(self) -> Self {
+        self
+    }
+
+    /// Three times it.
+    #[inline(always)]
+    fn thrice(self) -> Self {
+        self + self + self
     }
 
     /// With the sign turned where `direction` is below zero.
@@ -180,6 +249,11 @@ macro_rules! horner {
     }};
 }
 
+/// 6^−⅓.
+const FLOAT_REACH: f64 = 0.550_321_208_149_104_5;
+/// Cube root of the cubic's first coefficient in the Stribeck curve of f32.
+const CUBE: f64 = 0.036826556131;
+
 impl Scalar for f32 {
     type Gain = f32;
 
@@ -187,6 +261,12 @@ impl Scalar for f32 {
     const ONE: f32 = 1.0;
     const HALF: f32 = 0.5;
     const SIXTH: f32 = 1.0 / 6.0;
+    const ELEVEN_TWELFTHS: f32 = 11.0 / 12.0;
+    const REACH: f64 = FLOAT_REACH;
+    const PER_REACH: f32 = (1.0 / FLOAT_REACH) as f32;
+    const RELAXING: [f32; 2] =
+        [(1.0 / FLOAT_REACH) as f32, (0.5 / (FLOAT_REACH * FLOAT_REACH)) as f32];
+    const SQUARE: f64 = CUBE;
 
     fn gain(value: f64) -> f32 {
         value as f32
@@ -196,6 +276,19 @@ impl Scalar for f32 {
     }
     fn to_f64(self) -> f64 {
         f64::from(self)
+    }
+    #[inline(always)]
+    fn eighth(self) -> f32 {
+        self * 0.125
+    }
+    #[inline(always)]
+    fn swing(self) -> f32 {
+        const SWING: f32 = (0.0625 / FLOAT_REACH) as f32;
+        self * SWING
+    }
+    #[inline(always)]
+    fn per_square(self) -> f32 {
+        self * (1.0 / CUBE) as f32
     }
     #[inline(always)]
     fn times(self, gain: f32) -> f32 {
@@ -228,11 +321,15 @@ impl Scalar for f32 {
     /// inverse goes to zero with it.
     #[inline(always)]
     fn stribeck(self, beta: f32) -> (f32, f32) {
-        let root = horner!(self, f32, 4.994_4e-5, 1.921_528e-3, 0.062_524_85, 1.0);
+        let root = horner!(self, f32, 1.0, 1.416_852, 1.697_819_6, 1.0);
         let square = root * root;
         let fourth = square * square;
         let grown = fourth * fourth;
         (beta / (grown + beta), 1.0 + beta / grown)
+    }
+    #[inline(always)]
+    fn thrice(self) -> f32 {
+        self * 3.0
     }
     #[inline(always)]
     fn is_at_limit(self) -> bool {
@@ -274,6 +371,11 @@ impl Scalar for f64 {
     const ONE: f64 = 1.0;
     const HALF: f64 = 0.5;
     const SIXTH: f64 = 1.0 / 6.0;
+    const ELEVEN_TWELFTHS: f64 = 11.0 / 12.0;
+    const REACH: f64 = FLOAT_REACH;
+    const PER_REACH: f64 = 1.0 / FLOAT_REACH;
+    const RELAXING: [f64; 2] = [1.0 / FLOAT_REACH, 0.5 / (FLOAT_REACH * FLOAT_REACH)];
+    const SQUARE: f64 = 1.0;
 
     fn gain(value: f64) -> f64 {
         value
@@ -282,6 +384,19 @@ impl Scalar for f64 {
         value
     }
     fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn eighth(self) -> f64 {
+        self * 0.125
+    }
+    #[inline(always)]
+    fn swing(self) -> f64 {
+        const SWING: f64 = 0.0625 / FLOAT_REACH;
+        self * SWING
+    }
+    #[inline(always)]
+    fn per_square(self) -> f64 {
         self
     }
     #[inline(always)]
@@ -391,7 +506,7 @@ mod tests {
                 let exact = beta / ((0.5 * s).exp() + beta);
                 // The error 4e-5 of exp(−s/2) grows by β/(1 + β exp(−s/2))².
                 let bound = 4e-5 * beta.abs() / (1.0 + beta.min(0.0)).powi(2) + 1e-6;
-                let narrow = f64::from((s as f32).stribeck(beta as f32).0);
+                let narrow = f64::from(((s * f32::SQUARE) as f32).stribeck(beta as f32).0);
                 assert!((narrow - exact).abs() < bound, "f32 at {s}, {beta}: {narrow} {exact}");
                 assert!((s.stribeck(beta).0 - exact).abs() < 1e-8, "f64 at {s}, {beta}");
             }

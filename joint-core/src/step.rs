@@ -9,8 +9,8 @@
 
 use crate::angle::Angle;
 use crate::effect::{Effects, Felt, Flow, Memory, Motion, Relaxation, Rubbing, Winding};
-use crate::friction::Friction;
-use crate::joint::{Input, Joint, Mass, State};
+use crate::friction::{Friction, Half, Turn};
+use crate::joint::{Input, Joint, Mass, StageState, State};
 use crate::scalar::Scalar;
 
 /// Most masses that what effects remember may follow.
@@ -27,6 +27,44 @@ struct Gradient<S, const N: usize> {
     contact: [S; N],
 }
 
+/// One of something for every mass.
+struct Each<T, const N: usize> {
+    rotor: T,
+    masses: [T; N],
+}
+
+impl<S: Scalar, const N: usize> Each<S, N> {
+    #[inline(always)]
+    fn of(state: &State<S, N>, of: impl Fn(&Mass<S>) -> S) -> Self {
+        let mut masses = [S::ZERO; N];
+        for (value, stage) in masses.iter_mut().zip(&state.stages) {
+            *value = of(&stage.mass);
+        }
+        Self { rotor: of(&state.rotor), masses }
+    }
+}
+
+/// The mass that carries the load.
+#[inline(always)]
+fn last<S, const N: usize>(state: &mut State<S, N>) -> &mut Mass<S> {
+    match state.stages.last_mut() {
+        Some(stage) => &mut stage.mass,
+        None => &mut state.rotor,
+    }
+}
+
+/// What the kick made of one stage's speed.
+#[inline(always)]
+fn turn_of<S: Scalar, const N: usize>(
+    friction: &Friction<S>,
+    mass: &mut Mass<S>,
+    first: Option<(&Each<S, N>, &Each<Half<S>, N>)>,
+    k: usize,
+) -> Option<Turn<S>> {
+    let (speeds, halves) = first?;
+    Some(friction.turn(mass, *speeds.masses.get(k)?, *halves.masses.get(k)?))
+}
+
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// Advances the state by one step under an input that is held over it.
     #[inline]
@@ -40,32 +78,37 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// loaded before the loop, spilled, and loaded again.
     #[inline(never)]
     fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
-        self.kick::<0>(state, input, state.angle);
-        let first = state.rotor.speed;
-        let mut firsts = [S::ZERO; N];
-        for (first, stage) in firsts.iter_mut().zip(&state.stages) {
-            *first = stage.mass.speed;
-        }
-        let ahead = state.angle.ahead(first.times(self.half_turn));
-        self.half_drift(state, state.angle, ahead);
+        self.load(state, input);
+        let began = Each::of(state, |mass| mass.force);
+        self.kick::<0>(state, input, state.angle, &began);
+        let first = Each::of(state, |mass| mass.speed);
+        let ahead = state.angle.ahead(first.rotor.times(self.half_turn));
+        let halves = self.half_drift(state, state.angle, None);
         let gradient = self.forces(state, ahead);
-        self.correct(state, input, &gradient);
+        self.load(state, input);
+        self.correct(state, &gradient);
         if self.damped {
             self.damp(state, &gradient);
         }
-        self.kick::<1>(state, input, ahead);
+        self.kick::<1>(state, input, ahead, &began);
         if self.damped {
             self.damp_back(state, &gradient);
         }
-        self.rotor.straighten(&mut state.rotor, first);
-        for ((stage, own), first) in state.stages.iter_mut().zip(&self.stages).zip(firsts) {
-            own.friction.straighten(&mut stage.mass, first);
-        }
-        let both = first + state.rotor.speed;
-        self.half_drift(state, ahead, state.angle.ahead(both.times(self.half_turn)));
-        state.angle.turn(both, self.half_turn);
+        self.half_drift(state, ahead, Some((&first, &halves)));
+        state.angle.turn(first.rotor + state.rotor.speed, self.half_turn);
         self.forces(state, state.angle);
-        self.kick::<2>(state, input, state.angle);
+        // The load may change before the next micro-step.
+        let kept = last(state).force;
+        self.load(state, input);
+        self.kick::<2>(state, input, state.angle, &began);
+        last(state).force = kept;
+    }
+
+    /// Lets the load act on the last mass.
+    #[inline(always)]
+    fn load(&self, state: &mut State<S, N>, input: Input<S>) {
+        let mass = last(state);
+        mass.force = mass.force - input.load;
     }
 
     /// Computes what the state caches: after a speed, an angle, a deflection or a bristle was set
@@ -80,40 +123,85 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.forces(state, state.angle);
     }
 
-    /// Deflections and bristles over half a micro-step at constant speed.
+    /// Deflections and bristles over half a micro-step at constant speed; in the second half with what
+    /// the kick between did to the first one's speeds. Answers with what the second asks of the first.
     #[inline(always)]
-    fn half_drift(&self, state: &mut State<S, N>, from: Angle<S>, to: Angle<S>) {
+    fn half_drift(
+        &self,
+        state: &mut State<S, N>,
+        from: Angle<S>,
+        first: Option<(&Each<S, N>, &Each<Half<S>, N>)>,
+    ) -> Each<Half<S>, N> {
         if self.effects.has_memory() {
             self.remember(state);
         }
         if self.effects.has_levels() {
-            let before = self.levels(state, from);
-            self.half_drift_deflections(state);
-            let after = self.levels(state, to);
-            self.rotor.flow_along(&mut state.rotor, [before.0, after.0]);
-            let levels = before.1.into_iter().zip(after.1);
-            let stages = state.stages.iter_mut().zip(&self.stages);
-            for ((stage, own), (before, after)) in stages.zip(levels) {
-                own.friction.flow_along(&mut stage.mass, [before, after]);
-            }
-        } else {
-            self.half_drift_deflections(state);
-            self.rotor.flow_exactly(&mut state.rotor);
-            for (stage, own) in state.stages.iter_mut().zip(&self.stages) {
-                own.friction.flow(&mut stage.mass);
-            }
+            return self.half_drift_along(state, from, first);
         }
+        let rotor = &mut state.rotor;
+        let turn = first.map(|(speeds, halves)| self.rotor.turn(rotor, speeds.rotor, halves.rotor));
+        let half = self.rotor.flow_exactly(rotor, turn.as_ref());
+        let mut halves = Each { rotor: half, masses: [half; N] };
+        let mut before = rotor.speed;
+        let stages = state.stages.iter_mut().zip(&self.stages);
+        for (((stage, own), half), k) in stages.zip(&mut halves.masses).zip(0..N) {
+            let turn = turn_of(&own.friction, &mut stage.mass, first, k);
+            let after = stage.mass.speed;
+            self.wind(stage, before - after);
+            before = after;
+            *half = own.friction.flow(&mut stage.mass, turn.as_ref());
+        }
+        halves
     }
 
-    /// Deflections over half a micro-step at constant speed.
+    /// Winds a spring up for half a micro-step.
     #[inline(always)]
-    fn half_drift_deflections(&self, state: &mut State<S, N>) {
-        let mut before = state.rotor.speed;
+    fn wind(&self, stage: &mut StageState<S>, relative: S) {
+        let (wound, lost) = stage.deflection.drifted(stage.lost, relative, self.half_drift);
+        stage.deflection = wound;
+        stage.lost = lost;
+    }
+
+    /// The same where effects change friction levels on the way.
+    #[inline(always)]
+    fn half_drift_along(
+        &self,
+        state: &mut State<S, N>,
+        from: Angle<S>,
+        first: Option<(&Each<S, N>, &Each<Half<S>, N>)>,
+    ) -> Each<Half<S>, N> {
+        let rotor = &mut state.rotor;
+        let of_rotor =
+            first.map(|(speeds, halves)| self.rotor.turn(rotor, speeds.rotor, halves.rotor));
+        let mut turns = [of_rotor; N];
+        for (((stage, own), turn), k) in
+            state.stages.iter_mut().zip(&self.stages).zip(&mut turns).zip(0..N)
+        {
+            *turn = turn_of(&own.friction, &mut stage.mass, first, k);
+        }
+        let before = self.levels(state, from);
+        let mut behind = state.rotor.speed;
         for stage in &mut state.stages {
             let after = stage.mass.speed;
-            stage.deflection = stage.deflection + (before - after).times(self.half_drift);
-            before = after;
+            self.wind(stage, behind - after);
+            behind = after;
         }
+        let turned = match first {
+            Some((speeds, _)) => speeds.rotor + state.rotor.speed,
+            None => state.rotor.speed,
+        };
+        let after = self.levels(state, state.angle.ahead(turned.times(self.half_turn)));
+        let levels = [before.0, after.0];
+        let half = self.rotor.flow_along(&mut state.rotor, of_rotor.as_ref(), levels);
+        let mut halves = Each { rotor: half, masses: [half; N] };
+        let levels = before.1.into_iter().zip(after.1);
+        let stages = state.stages.iter_mut().zip(&self.stages).zip(&turns);
+        for ((((stage, own), turn), (before, after)), half) in
+            stages.zip(levels).zip(&mut halves.masses)
+        {
+            *half = own.friction.flow_along(&mut stage.mass, turn.as_ref(), [before, after]);
+        }
+        halves
     }
 
     /// What effects remember, over half a micro-step at constant speed and current.
@@ -191,9 +279,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     ) -> S {
         if self.effects.has_damping() {
             let viscous = self.effects.viscous(number, mass.speed, memory);
-            friction.damping(&mass.bristle, viscous) + self.effects.drag(number, mass.speed)
+            friction.damping_with(&mass.bristle, viscous) + self.effects.drag(number, mass.speed)
         } else {
-            friction.damping(&mass.bristle, S::ONE)
+            friction.damping(&mass.bristle)
         }
     }
 
@@ -255,10 +343,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// Adds the force gradient `h²/24 · ∂f/∂q · M⁻¹ f` to the forces of the middle kick.
     #[inline(always)]
-    fn correct(&self, state: &mut State<S, N>, input: Input<S>, gradient: &Gradient<S, N>) {
+    fn correct(&self, state: &mut State<S, N>, gradient: &Gradient<S, N>) {
         let motor = state.current;
-        let unloaded = if N == 0 { state.rotor.force - input.load } else { state.rotor.force };
-        let whole = unloaded + motor;
+        let whole = state.rotor.force + motor;
         let moved = whole.times(self.rotor_gamma);
         state.rotor.force = state.rotor.force - self.rotor.shift(&state.rotor.bristle, whole);
         if self.effects.has_torque(0) {
@@ -271,11 +358,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         {
             let shift = |loaded| own.friction.shift(&stage.mass.bristle, loaded);
             let force = &mut stage.mass.force;
-            let loaded = if number == N { *force - input.load } else { *force };
-            let moved = loaded.times(own.gamma);
+            let moved = force.times(own.gamma);
             let exchanged = *spring * (before.1 - moved);
             *before.0 = *before.0 - exchanged;
-            *force = *force - shift(loaded) + exchanged;
+            *force = *force - shift(*force) + exchanged;
             if self.effects.has_torque(number) || self.effects.has_stages() {
                 *force = *force - *mass_slope * moved;
             }
@@ -319,10 +405,16 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// Speeds and current over one kick: `WHICH` is 0 for the first, 1 for the middle one, 2 for the
     /// last, each at the angle where its forces are.
     #[inline(always)]
-    fn kick<const WHICH: usize>(&self, state: &mut State<S, N>, input: Input<S>, angle: Angle<S>) {
+    fn kick<const WHICH: usize>(
+        &self,
+        state: &mut State<S, N>,
+        input: Input<S>,
+        angle: Angle<S>,
+        began: &Each<S, N>,
+    ) {
         let kick = if WHICH == 1 { &self.middle } else { &self.outer };
         let rotor = &mut state.rotor;
-        let mut force = if N == 0 { rotor.force - input.load } else { rotor.force };
+        let mut force = rotor.force;
         let mut drive = input.drive;
         let mut lagging = S::ZERO;
         if self.effects.has_constants() {
@@ -341,7 +433,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             force = force + share * (mean + extra.mean) + extra.mean;
             lagging = extra.end;
         }
-        let apply = |drive| kick.apply(rotor.speed, state.current, force, rotor.damping, drive);
+        let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
+        let apply = |drive| match WHICH {
+            1 => kick.apply::<true>(speed, current, force, damping, drive),
+            _ => kick.apply::<false>(speed, current, force, damping, drive),
+        };
         if self.effects.has_drops() && !self.current_imposed {
             let (_, current) = apply(drive);
             let at = Winding {
@@ -354,15 +450,29 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let (speed, current) = apply(drive);
         rotor.speed = speed;
         state.current = if self.effects.has_constants() { current + lagging } else { current };
-        for ((stage, own), number) in state.stages.iter_mut().zip(&self.stages).zip(1..=N) {
+        let stages = state.stages.iter_mut().zip(&self.stages).zip(&began.masses);
+        for ((stage, own), began) in stages {
             let mass = &mut stage.mass;
-            let force = if number == N { mass.force - input.load } else { mass.force };
             let [outer, middle] = own.mobility;
             let mobility = if WHICH == 1 { middle } else { outer };
             let lost = mass.damping.times(mobility);
-            let x = lost.half();
-            let gained = force.times(mobility) - lost.nearest(mass.speed);
-            mass.speed = mass.speed + gained.nearest(S::ONE - x + x * x);
+            let rises = WHICH == 1 && S::RISES;
+            let risen = if rises { rise(mass.force - *began, lost) } else { S::ZERO };
+            let force = if rises { mass.force + risen } else { mass.force };
+            // Together to the nearest: a damping rounded on its own would leave small swings alone.
+            let gained = (force - mass.damping.nearest(mass.speed)).times_nearest(mobility);
+            mass.speed = match WHICH {
+                1 => mass.speed.kicked::<true>(gained, lost),
+                _ => mass.speed.kicked::<false>(gained, lost),
+            };
         }
     }
+}
+
+/// What the middle kick's damping makes of a force that rises through the step, `lost` being the
+/// share of the speed that it takes: the part −(ḟ ∂a/∂v) h²/48 of the splitting's double commutator, ḟ
+/// as the rise from the step's start to its middle.
+#[inline(always)]
+fn rise<S: Scalar>(risen: S, lost: S) -> S {
+    lost.half().eighth().nearest(risen)
 }

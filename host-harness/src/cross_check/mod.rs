@@ -7,6 +7,7 @@
 
 mod bound;
 mod page;
+pub mod pareto;
 mod quantity;
 mod random;
 mod speed;

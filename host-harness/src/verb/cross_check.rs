@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::{Common, Failure, Outcome};
-use crate::cross_check::{self, CrossCheckError, Random, Speed};
+use crate::cross_check::{self, CrossCheckError, Random, Speed, pareto};
 use crate::output::OutDir;
 use crate::scenario;
 
 /// Check f32 in the embedded method against the f64 reference on every scenario
 ///
-/// Writes `cross-check.json` and plots where --out is given; exit 1 where a stated bound is broken.
+/// Writes `cross-check.json`, plots, and error over instructions (`pareto.svg`) where --out is given; exit 1 where a stated bound is broken.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint cross-check --out check
@@ -58,6 +58,11 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
             .map_err(|error| Failure::check(error.to_string()))?;
         out.write("cross-check.json", rows)?;
         out.write("cross-check.html", check.page())?;
+        let points = pareto::run(&model, &scenario::ALL).map_err(failed)?;
+        let text = serde_json::to_string_pretty(&points)
+            .map_err(|error| Failure::check(error.to_string()))?;
+        out.write("pareto.json", text)?;
+        out.write("pareto.svg", pareto::svg(&points))?;
     }
     let json = json!({
         "passed": check.passed(), "rows": check.rows, "broken": check.broken(), "speed": check.speed,

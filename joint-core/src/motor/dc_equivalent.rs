@@ -125,14 +125,20 @@ impl<S: Scalar> RotorKick<S> {
     /// New speed and current after the kick: `force` is the torque on the rotor beside the motor's,
     /// `damping` its torque per speed, `drive` the final current of the held voltage.
     #[inline(always)]
-    pub(crate) fn apply(&self, speed: S, current: S, force: S, damping: S, drive: S) -> (S, S) {
+    pub(crate) fn apply<const MIDDLE: bool>(
+        &self,
+        speed: S,
+        current: S,
+        force: S,
+        damping: S,
+        drive: S,
+    ) -> (S, S) {
         let excess = current - drive;
-        let gained = (force - damping.nearest(speed)).times(self.per_torque)
+        let gained = (force - damping.nearest(speed)).times_nearest(self.per_torque)
             + excess.times(self.per_excess)
             + drive.times(self.per_drive)
             - speed.times(self.induced);
-        let x = damping.times(self.per_torque).half();
-        let new = speed + gained.nearest(S::ONE - x + x * x);
+        let new = speed.kicked::<MIDDLE>(gained.settled(), damping.times(self.per_torque));
         let current =
             drive + excess.times(self.decay) + speed.times(self.before) - new.times(self.after);
         (new, current)

@@ -214,7 +214,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let (most, hold) = gains.lively;
         track.lively = if track.often > most { hold } else { track.lively.saturating_sub(1) };
 
-        let held = track.state.rotor.bristle.bending > S::HALF;
+        let held = track.state.rotor.bristle.slipping < S::HALF;
         let last = track.state.stages.last();
         let bent = last.is_some_and(|stage| stage.deflection.abs() > gains.bent);
         let regime = if held {

@@ -1,0 +1,302 @@
+//! `prices`: what the parts of a step cost, as KEY=value lines: the Stribeck curve by five methods with
+//! their errors, a plain joint of nought to four stages, each effect on a joint of two, and one
+//! evaluation of the equations as an explicit method needs it.
+//!
+//! It runs on QEMU's netduinoplus2 with `-icount shift=0,sleep=off` alone. Instructions are the most
+//! over the inputs; those of an effect count what it adds to the first effect's joint, whose hooks are
+//! called but do nothing.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod on_board {
+    use core::hint::black_box;
+
+    use firmware::board::{self, InstructionCounter};
+    use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind};
+    use joint_core::joint::{Drive, Joint, Settings};
+    use joint_core::params::{Friction, Load, Location, Motor, Stage};
+    use joint_core::scalar::Scalar;
+    use micromath::F32Ext;
+    use semihosting::println;
+
+    const BETA: f32 = 0.5;
+    /// Squares of a speed over the Stribeck velocity, in 2000 steps.
+    const LARGEST: f32 = 12.0;
+
+    /// Ways to the excess over Coulomb friction and the level, both over the Coulomb level.
+    type Curve = fn(f32) -> (f32, f32);
+
+    fn of_exponential(e: f32) -> (f32, f32) {
+        let excess = BETA * e;
+        (excess / (1.0 + excess), 1.0 + excess)
+    }
+
+    #[inline(never)]
+    fn cubic(square: f32) -> (f32, f32) {
+        // The step's own: its unit of the square is part of a constant there.
+        (square * (2.0 * f32::SQUARE as f32)).stribeck(BETA)
+    }
+
+    #[inline(never)]
+    fn rational(square: f32) -> (f32, f32) {
+        let root = 1.0 + square * (0.244_350_91 + 0.041_091_23 * square);
+        let (half, beta) = (root * root, BETA);
+        let grown = half * half;
+        (beta / (grown + beta), 1.0 + beta / grown)
+    }
+
+    #[inline(never)]
+    fn table(square: f32) -> (f32, f32) {
+        let place = if square < 7.99 { square * 16.0 } else { 127.0 };
+        let whole = place as usize & 127;
+        let value = |at: usize| TABLE.get(at).copied().unwrap_or(0.0);
+        let (from, to) = (value(whole), value(whole + 1));
+        of_exponential(from + (to - from) * (place - whole as f32))
+    }
+
+    #[inline(never)]
+    fn libm_expf(square: f32) -> (f32, f32) {
+        of_exponential(libm::expf(-square))
+    }
+
+    #[inline(never)]
+    fn micromath_exp(square: f32) -> (f32, f32) {
+        of_exponential(F32Ext::exp(-square))
+    }
+
+    #[inline(never)]
+    fn nothing(square: f32) -> (f32, f32) {
+        (square, square)
+    }
+
+    /// exp(−k/16).
+    static TABLE: [f32; 129] = table_of_exponentials();
+
+    const fn table_of_exponentials() -> [f32; 129] {
+        // exp(−1/16)
+        const RATIO: f64 = 0.939_413_062_813_475_8;
+        let (mut table, mut value, mut k) = ([0.0; 129], 1.0, 0);
+        while k < 129 {
+            table[k] = value as f32;
+            value *= RATIO;
+            k += 1;
+        }
+        table
+    }
+
+    /// A 6 mm brushless micromotor.
+    const MOTOR: Motor = Motor {
+        phase_resistance_ohm: 4.55,
+        phase_inductance_h: 13e-6,
+        torque_constant_nm_per_a: 1.38e-3,
+        phase_back_emf_constant_v_s_per_rad: None,
+        pole_pairs: 1,
+        rotor_inertia_kg_m2: 9.5e-10,
+        friction: friction([0.05, 4e-7, 1e-9], [9e-6, 4e-6, 20.0]),
+    };
+    /// One stage of its planetary gear, with a light link.
+    const STAGE: Stage = Stage {
+        reduction: 8.0,
+        inertia_kg_m2: 1e-8,
+        stiffness_nm_per_rad: 1.0,
+        cubic_stiffness_nm_per_rad3: 0.0,
+        damping_nm_s_per_rad: 0.0,
+        worm_lead_angle_rad: 0.0,
+        worm_friction_coefficient: 0.0,
+        friction: friction([1.5, 6e-6, 2e-8], [8e-5, 4e-5, 0.6]),
+    };
+
+    const fn friction(sigma: [f64; 3], level: [f64; 3]) -> Friction {
+        Friction {
+            sigma0_nm_per_rad: sigma[0],
+            sigma1_nm_s_per_rad: sigma[1],
+            sigma2_nm_s_per_rad: sigma[2],
+            coulomb_nm: level[0],
+            stribeck_nm: level[1],
+            stribeck_velocity_rad_per_s: level[2],
+        }
+    }
+
+    type Sized = (Kind, Location, &'static [(&'static str, f64)]);
+
+    const EFFECTS: [Sized; 18] = [
+        (Kind::Cogging, Location::Motor, &[("order", 6.0), ("amplitude_nm", 8e-6)]),
+        (Kind::Gravity, Location::Output, &[("amplitude_nm", 5e-3)]),
+        (
+            Kind::Coating,
+            Location::Output,
+            &[("stiffness_nm_per_rad", 0.06), ("hysteresis_nm", 6e-3)],
+        ),
+        (Kind::QuadraticDrag, Location::Motor, &[("coefficient_nm_s2", 2e-12)]),
+        (Kind::TorqueRipple, Location::Motor, &[("relative_amplitude", 0.1), ("order", 6.0)]),
+        (Kind::TorqueSaturation, Location::Motor, &[("current_a", 0.4)]),
+        (Kind::Backlash, Location::Stage(2), &[("width_rad", 2e-4)]),
+        (Kind::TransmissionError, Location::Stage(2), &[("amplitude_rad", 3e-4), ("order", 2.0)]),
+        (Kind::HardeningStiffness, Location::Stage(2), &[("cubic_stiffness_nm_per_rad3", 1e4)]),
+        (
+            Kind::StructuralHysteresis,
+            Location::Stage(2),
+            &[("amplitude_nm", 4e-3), ("width_rad", 2e-3)],
+        ),
+        (Kind::AsymmetricFriction, Location::Motor, &[("asymmetry", 0.25)]),
+        (Kind::LoadDependentFriction, Location::Stage(2), &[("coefficient", 0.15)]),
+        (
+            Kind::PositionDependentFriction,
+            Location::Stage(2),
+            &[("relative_amplitude", 0.5), ("order", 24.0)],
+        ),
+        (
+            Kind::LubricantWarming,
+            Location::Motor,
+            &[
+                ("relative_fall", 0.6),
+                ("time_constant_s", 0.05),
+                ("reference_speed_rad_per_s", 1500.0),
+            ],
+        ),
+        (Kind::DeadTime, Location::Inverter, &[("voltage_v", 0.15), ("softening_a", 3e-3)]),
+        (
+            Kind::SupplySag,
+            Location::Inverter,
+            &[("source_resistance_ohm", 1.0), ("bus_voltage_v", 6.0)],
+        ),
+        (
+            Kind::WindingHeating,
+            Location::Motor,
+            &[("relative_rise", 0.25), ("time_constant_s", 0.05), ("reference_current_a", 0.07)],
+        ),
+        (Kind::CurrentOffset, Location::CurrentSensor, &[("offset_a", 0.01)]),
+    ];
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let counter = InstructionCounter::start();
+        curves(&counter);
+        println!("stages_0={}", stages::<0>(&counter));
+        println!("stages_1={}", stages::<1>(&counter));
+        println!("stages_2={}", stages::<2>(&counter));
+        println!("stages_3={}", stages::<3>(&counter));
+        println!("stages_4={}", stages::<4>(&counter));
+        println!("effects_none={}", effect(&counter, None));
+        for sized in &EFFECTS {
+            println!("effect_{}={}", sized.0.spec().kind, effect(&counter, Some(sized)));
+        }
+        println!("explicit_rates={}", explicit(&counter));
+        board::finish(Ok(()))
+    }
+
+    fn curves(counter: &InstructionCounter) {
+        let ways: [(&str, Curve); 6] = [
+            ("call", nothing),
+            ("cubic", cubic),
+            ("rational", rational),
+            ("table", table),
+            ("libm", libm_expf),
+            ("micromath", micromath_exp),
+        ];
+        for (name, way) in ways {
+            let (mut most, mut error) = (0, 0.0_f64);
+            for k in 0..=2000_u16 {
+                let square = black_box(LARGEST * f32::from(k) / 2000.0);
+                let mut found = (0.0, 0.0);
+                let ((), spent) = counter.measure(|| found = black_box(way)(square));
+                most = most.max(spent);
+                let exact = f64::from(BETA) * libm::exp(-f64::from(square));
+                error = error.max((f64::from(found.1) - 1.0 - exact).abs() / f64::from(BETA));
+            }
+            println!("stribeck_{name}_instructions={most}");
+            println!("stribeck_{name}_error_ppb={}", (error * 1e9) as u64);
+        }
+    }
+
+    fn settings() -> Settings<'static> {
+        let mut settings = Settings::new(Drive::Voltage, 50e-6);
+        settings.micro_steps = Some(1);
+        settings
+    }
+
+    fn stages<const N: usize>(counter: &InstructionCounter) -> u32 {
+        let joint = Joint::<f32, N>::new(&MOTOR, &[STAGE; N], &Load::default(), &settings());
+        joint.map_or(0, |joint| most(counter, &joint))
+    }
+
+    fn effect(counter: &InstructionCounter, sized: Option<&Sized>) -> u32 {
+        let effects = sized.map(|(kind, location, values)| {
+            let bare = EffectParameters::new(*kind, *location);
+            values.iter().fold(bare, |effect, (key, value)| effect.with(key, *value))
+        });
+        let settings = Settings { effects: effects.as_slice(), ..settings() };
+        let stages = [STAGE; 2];
+        let joint =
+            Joint::<f32, 2, EffectSet<f32>>::new(&MOTOR, &stages, &Load::default(), &settings);
+        joint.map_or(0, |joint| most(counter, &joint))
+    }
+
+    #[inline(never)]
+    fn most<const N: usize, E: Effects<f32>>(
+        counter: &InstructionCounter,
+        joint: &Joint<f32, N, E>,
+    ) -> u32 {
+        let (mut state, mut most) = (joint.rest(), 0);
+        for k in 0..400_u32 {
+            let volts = [6.0, 0.0, -6.0, 0.5][(k / 50) as usize % 4];
+            let input = black_box(joint.input(volts, 0.001));
+            let ((), spent) = counter.measure(|| joint.step(&mut state, input));
+            most = most.max(spent);
+        }
+        black_box(&state);
+        most
+    }
+
+    /// The rates of change of a joint of two stages in f32, with a library's exponential.
+    #[inline(never)]
+    fn rates(
+        constants: &[[f32; 7]; 3],
+        springs: &[f32; 2],
+        input: f32,
+        x: &[f32; 10],
+    ) -> [f32; 10] {
+        let [current, _, d1, d2, v0, v1, v2, z0, z1, z2] = *x;
+        let [t1, t2] = [springs[0] * d1, springs[1] * d2];
+        let driving = [current - t1, t1 - t2, t2];
+        let mut rate = [input - current - v0, v0, v0 - v1, v1 - v2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let masses = constants.iter().zip(driving).zip([v0, v1, v2].into_iter().zip([z0, z1, z2]));
+        let (head, tail) = rate.split_at_mut(7);
+        let Some(speeds) = head.get_mut(4..) else { return rate };
+        for (((constants, driving), (v, z)), (speed, bristle)) in
+            masses.zip(speeds.iter_mut().zip(tail))
+        {
+            let [mobility, s0, s1, s2, a0, a1, per_v0] = *constants;
+            let relative = v * per_v0;
+            let level = a0 + a1 * libm::expf(-relative * relative);
+            let bend = v - s0 * v.abs() * z / level;
+            *bristle = bend;
+            *speed = mobility * (driving - s0 * z - s1 * bend - s2 * v);
+        }
+        rate
+    }
+
+    fn explicit(counter: &InstructionCounter) -> u32 {
+        let constants = black_box([[1.0, 2.0, 0.1, 0.01, 1.0, 0.5, 0.3]; 3]);
+        let springs = black_box([3.0, 2.0]);
+        let mut state = black_box([0.1; 10]);
+        let mut most = 0;
+        for _ in 0..100 {
+            let mut rate = [0.0; 10];
+            let ((), spent) =
+                counter.measure(|| rate = rates(&constants, &springs, 1.0, black_box(&state)));
+            for (value, rate) in state.iter_mut().zip(rate) {
+                *value += 1e-3 * rate;
+            }
+            most = most.max(spent);
+        }
+        black_box(&state);
+        most
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("prices runs on a board: build it for thumbv7em-none-eabihf");
+}

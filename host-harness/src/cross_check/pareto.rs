@@ -1,0 +1,242 @@
+//! Error over cost: the step in one to eight micro-steps, in f32 and fixed point, beside explicit
+//! methods.
+//!
+//! The error is the worst state's over every scenario at a control period of 50 µs. The cost is
+//! instructions of a Cortex-M4 in such a period for a joint of two stages, from what QEMU counts of one
+//! micro-step and of one evaluation of the equations in f32 (`firmware/src/bin/prices.rs`); explicit
+//! methods are charged for their evaluations alone.
+
+use std::fmt::Write;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{CrossCheckError, Quantity, REFERENCE_STEP_S};
+use crate::model::Model;
+use crate::plant::{self, Layout, ScalarKind, Snapshot};
+use crate::reference::{self, Equations, Held, Method, Options};
+use crate::scenario::Scenario;
+
+/// The control period, s.
+const PERIOD_S: f64 = 50e-6;
+/// Instructions of a micro-step in f32 and in fixed point without a floating-point unit, and of one
+/// evaluation of the equations in f32; two stages.
+pub const COUNTED: [u32; 3] = [698, 2439, 268];
+const MICRO_STEPS: [u32; 6] = [1, 2, 3, 4, 6, 8];
+/// Steps of the explicit methods, s.
+const EXPLICIT_STEPS_S: [f64; 5] = [0.05e-6, 0.1e-6, 0.25e-6, 0.5e-6, 1e-6];
+/// An explicit run this far off is none.
+const LOST: f64 = 0.5;
+
+/// One method at one setting.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// The method.
+    pub method: &'static str,
+    /// Its micro-steps, or its step.
+    pub setting: String,
+    /// Instructions in a period of 50 µs.
+    pub instructions: f64,
+    /// Worst relative RMS of a state over all scenarios.
+    pub error: f64,
+    /// The same but for the scenario on which the step does worst.
+    pub error_but_worst: f64,
+    /// That scenario.
+    pub worst: &'static str,
+}
+
+/// Runs every method on every scenario.
+///
+/// # Errors
+/// The joint cannot be built, or the reference fails.
+pub fn run(model: &Model, scenarios: &[Scenario]) -> Result<Vec<Point>, CrossCheckError> {
+    let columns = scenarios
+        .par_iter()
+        .map(|scenario| errors(model, scenario))
+        .collect::<Result<Vec<_>, _>>()?;
+    let settings = settings();
+    let points = settings.into_iter().enumerate().map(|(row, (method, setting, instructions))| {
+        let mut errors: Vec<(f64, &'static str)> = columns
+            .iter()
+            .zip(scenarios)
+            .map(|(column, scenario)| (column[row], scenario.name))
+            .collect();
+        errors.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (error, worst) = errors.first().copied().unwrap_or((0.0, ""));
+        let error_but_worst = errors.get(1).map_or(error, |next| next.0);
+        Point { method, setting, instructions, error, error_but_worst, worst }
+    });
+    Ok(points.filter(|point| point.error < LOST).collect())
+}
+
+/// Method, setting and instructions of every point, in the order of [`errors`].
+fn settings() -> Vec<(&'static str, String, f64)> {
+    let [float, fixed, rates] = COUNTED.map(f64::from);
+    let mut all = Vec::new();
+    for (method, each) in [("step, f32", float), ("step, fixed point", fixed)] {
+        all.extend(MICRO_STEPS.map(|n| (method, n.to_string(), each * f64::from(n))));
+    }
+    for (method, evaluations) in [("Bogacki–Shampine", 3.0), ("explicit Euler", 1.0)] {
+        all.extend(EXPLICIT_STEPS_S.map(|step| {
+            (method, format!("{:.3} µs", 1e6 * step), rates * evaluations * PERIOD_S / step)
+        }));
+    }
+    all
+}
+
+fn errors(model: &Model, scenario: &Scenario) -> Result<Vec<f64>, CrossCheckError> {
+    let inputs = scenario.inputs();
+    let refer = |step_s| {
+        let method = Method::BogackiShampine { step_s };
+        reference::simulate(model, &inputs, &Options::of(method))
+            .map_err(|error| CrossCheckError::Reference { scenario: scenario.name, error })
+    };
+    let exact = refer(REFERENCE_STEP_S)?;
+    let worst = |run: &[Snapshot]| {
+        Quantity::of(model.stages.len())
+            .into_iter()
+            .map(|quantity| quantity.relative_rms(&exact, run))
+            .fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b) })
+    };
+    let mut all = Vec::new();
+    for scalar in [ScalarKind::F32, ScalarKind::Fixed] {
+        for n in MICRO_STEPS {
+            let run = plant::simulate(model, &inputs, scalar, Some(PERIOD_S), Some(n))?;
+            all.push(worst(&run));
+        }
+    }
+    for step in EXPLICIT_STEPS_S {
+        all.push(refer(step).map_or(f64::INFINITY, |run| worst(&run)));
+    }
+    let equations = Equations::new(model, inputs.drive, 2.0)
+        .map_err(|error| CrossCheckError::Reference { scenario: scenario.name, error })?;
+    let layout = equations.layout();
+    for step in EXPLICIT_STEPS_S {
+        let (mut state, mut rate) = (equations.rest(), equations.rest());
+        let mut run = Vec::with_capacity(inputs.time_s.len());
+        for k in 0..inputs.time_s.len() {
+            run.push(equations.snapshot(&state));
+            let interval = inputs.time_s.get(k + 1).map_or(0.0, |next| next - inputs.time_s[k]);
+            let held = Held { drive: inputs.drive_values[k], load: inputs.load_nm[k], torque: 0.0 };
+            equations.settle(&held, &mut state);
+            for _ in 0..(interval / step).round() as u64 {
+                equations.derivative(&held, &state, &mut rate);
+                state.iter_mut().zip(&rate).for_each(|(value, rate)| *value += step * rate);
+                // Angles with the new speeds.
+                let gained = |mass| step * step * rate[layout.speed(mass)];
+                state[Layout::ANGLE] += gained(0);
+                for stage in 0..layout.stages {
+                    state[layout.deflection(stage)] += gained(stage) - gained(stage + 1);
+                }
+            }
+        }
+        all.push(worst(&run));
+    }
+    Ok(all)
+}
+
+const WIDTH: f64 = 760.0;
+const HEIGHT: f64 = 460.0;
+const LEFT: f64 = 70.0;
+const RIGHT: f64 = 180.0;
+const TOP: f64 = 40.0;
+const BOTTOM: f64 = 50.0;
+/// Powers of ten shown, of instructions and of error.
+const ACROSS: (f64, f64) = (2.5, 6.2);
+const UP: (f64, f64) = (-5.0, -0.3);
+const COLOURS: [&str; 4] = ["#0072b2", "#009e73", "#555555", "#d55e00"];
+
+/// The plot.
+pub fn svg(points: &[Point]) -> String {
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
+         font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"#333\">\
+         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\
+         <text x=\"{LEFT}\" y=\"22\" font-size=\"15\">Worst state over all scenarios, over instructions \
+         in 50 µs on a Cortex-M4</text>"
+    );
+    axes(&mut svg);
+    let mut methods: Vec<&str> = points.iter().map(|point| point.method).collect();
+    methods.dedup();
+    for (k, (method, colour)) in methods.iter().zip(COLOURS.iter().cycle()).enumerate() {
+        let own: Vec<&Point> = points.iter().filter(|point| point.method == *method).collect();
+        for (of, dash, fill) in [
+            ((|p: &Point| p.error) as fn(&Point) -> f64, "", *colour),
+            (|p: &Point| p.error_but_worst, " stroke-dasharray=\"3 3\"", "#fff"),
+        ] {
+            let mut path = String::new();
+            for (k, point) in own.iter().enumerate() {
+                let command = if k == 0 { 'M' } else { 'L' };
+                let _ = write!(path, "{command}{:.1} {:.1}", x(point.instructions), y(of(point)));
+            }
+            let _ = write!(svg, "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\"{dash}/>");
+            for point in &own {
+                let (x, y) = (x(point.instructions), y(of(point)));
+                let _ = write!(
+                    svg,
+                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{fill}\" stroke=\"{colour}\"/>"
+                );
+            }
+        }
+        for point in &own {
+            let (x, y) = (x(point.instructions) + 6.0, y(point.error) - 6.0);
+            let _ = write!(
+                svg,
+                "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"10\">{}</text>",
+                point.setting
+            );
+        }
+        let (x, y) = (WIDTH - RIGHT + 14.0, TOP + 16.0 + 20.0 * k as f64);
+        let _ = write!(svg, "<text x=\"{x}\" y=\"{y}\" fill=\"{colour}\">● {method}</text>");
+    }
+    let (x, y) = (WIDTH - RIGHT + 14.0, TOP + 16.0 + 20.0 * methods.len() as f64);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{x}\" y=\"{y}\">○ without each point's</text><text x=\"{x}\" y=\"{}\">worst \
+         scenario</text></svg>",
+        y + 15.0
+    );
+    svg
+}
+
+fn axes(svg: &mut String) {
+    let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
+    for (error, label) in
+        [(1e-5, "0.001 %"), (1e-4, "0.01 %"), (1e-3, "0.1 %"), (1e-2, "1 %"), (1e-1, "10 %")]
+    {
+        let (y, width) = (y(error), if error == 1e-2 { 2 } else { 1 });
+        let _ = write!(
+            svg,
+            "<path d=\"M{LEFT} {y:.1}H{right}\" stroke=\"#ddd\" stroke-width=\"{width}\"/>\
+             <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
+            LEFT - 6.0,
+            y + 4.0
+        );
+    }
+    for (instructions, label) in [(1e3, "1000"), (1e4, "10 000"), (1e5, "100 000"), (1e6, "10⁶")]
+    {
+        let x = x(instructions);
+        let _ = write!(
+            svg,
+            "<path d=\"M{x:.1} {TOP}V{bottom}\" stroke=\"#ddd\"/>\
+             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
+            bottom + 18.0
+        );
+    }
+    let _ = write!(
+        svg,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">instructions</text>",
+        0.5 * (LEFT + right),
+        HEIGHT - 10.0
+    );
+}
+
+fn x(instructions: f64) -> f64 {
+    let share = (instructions.log10() - ACROSS.0) / (ACROSS.1 - ACROSS.0);
+    LEFT + share * (WIDTH - LEFT - RIGHT)
+}
+
+fn y(error: f64) -> f64 {
+    let share = (error.log10().clamp(UP.0, UP.1) - UP.0) / (UP.1 - UP.0);
+    HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM)
+}
