@@ -135,10 +135,11 @@ pub fn discover_without(
     let (_, innovations_before, _) = problem.design(&before.model, &noise)?;
     let (_, innovations_after, _) = problem.design(&after.model, &noise)?;
     let orders = orders(&found);
+    let first = found.rounds.first().map(|round| round.name.0);
+    let along_lines = !found.orders.is_empty() || first == Some(Kind::Cogging);
     // Noise that swallows what is missing would leave no equation to blame for it.
     let calm = believable(&noise, &found.expected);
-    let disagreement =
-        locate(&problem, &found.before, &after.model, &calm, &orders, !found.orders.is_empty())?;
+    let disagreement = locate(&problem, &found.before, &after.model, &calm, &orders, along_lines)?;
     bar.inc(1);
 
     let judged = Fit { noise, ..after.clone() };

@@ -89,7 +89,8 @@ pub fn add_protected(
             let lines = stage.origin.effects.len() - base.origin.effects.len();
             let gain = cost(&base.fit) - cost(&stage.fit);
             if gain > alone + LEAST_GAIN * lines as f64 {
-                let rivals: Vec<_> = tried.into_iter().map(|(contender, _)| contender).collect();
+                let rivals = tried.into_iter().map(|(contender, _)| contender);
+                let rivals: Vec<_> = rivals.filter(|rival| rival.name != comb::NAME).collect();
                 search.rounds.extend((0..lines).map(|_| Round {
                     name: comb::NAME,
                     gain: gain / lines as f64,
