@@ -7,12 +7,15 @@
 
 use std::f64::consts::PI;
 
-use joint_core::effect::Kind;
 use joint_core::joint::Drive;
 
 use crate::estimate::record::{Channel, Record};
 use crate::model::Model;
+use crate::plant::Layout;
+use crate::reference::{Equations, Held};
 
+/// δ of the model's Stribeck curve.
+const STRIBECK_EXPONENT: f64 = 2.0;
 /// Samples at each end that the filters need to settle.
 const EDGE: usize = 75;
 
@@ -35,60 +38,38 @@ pub fn relative_force_error(model: &Model, record: &Record) -> Option<f64> {
     let smooth = both_ways(&angle, 0.1);
     let speed = difference(&smooth, step);
     let acceleration = difference(&speed, step);
-    let offset = model.effects.iter().find(|effect| effect.kind == Kind::CurrentOffset);
-    let offset = offset.map_or(0.0, |effect| effect.values[0]);
-    let modelled: Vec<f64> =
-        (0..angle.len()).map(|k| load(model, angle[k], speed[k], acceleration[k])).collect();
-    let constant = model.motor.torque_constant_nm_per_a;
-    let motor: Vec<f64> = (0..angle.len())
-        .map(|k| constant * ripple(model, angle[k]) * (record.drive_values[k] - offset))
+    let equations = Equations::new(model, record.drive, STRIBECK_EXPONENT).ok()?;
+    let missed: Vec<f64> = (0..angle.len())
+        .map(|k| missing(&equations, record.drive_values[k], angle[k], speed[k], acceleration[k]))
         .collect();
-    let (modelled, motor) = (both_ways(&modelled, 0.04), both_ways(&motor, 0.04));
+    let inertia = model.motor.rotor_inertia_kg_m2 + model.load.inertia_kg_m2;
+    let missed: Vec<f64> = missed.iter().map(|missed| inertia * missed).collect();
+    let constant = model.motor.torque_constant_nm_per_a;
+    let motor: Vec<f64> = record.drive_values.iter().map(|i| constant * i).collect();
+    let (missed, motor) = (both_ways(&missed, 0.04), both_ways(&motor, 0.04));
     // The filters' own start and end are no measurement.
     let inner = EDGE..angle.len() - EDGE;
-    let missed: f64 = inner.clone().map(|k| (motor[k] - modelled[k]).powi(2)).sum();
+    let missed: f64 = inner.clone().map(|k| missed[k].powi(2)).sum();
     let whole: f64 = inner.map(|k| motor[k].powi(2)).sum();
     (whole > 0.0).then(|| (missed / whole).sqrt())
 }
 
-/// What the motor must overcome at a motion in steady slip, Nm.
-fn load(model: &Model, angle: f64, speed: f64, acceleration: f64) -> f64 {
-    let friction = &model.motor.friction;
-    let sign = speed.signum();
-    let relative = speed / friction.stribeck_velocity_rad_per_s;
-    let mut level = friction.coulomb_nm + friction.stribeck_nm * (-relative * relative).exp();
-    let mut viscous = friction.sigma2_nm_s_per_rad;
-    let mut position = model.load.gravity_nm * (angle + model.load.gravity_phase_rad).sin();
-    for effect in &model.effects {
-        let [first, second, third, fourth, fifth, ..] = effect.values;
-        match effect.kind {
-            Kind::AsymmetricFriction => {
-                level *= 1.0 + first * sign;
-                viscous *= 1.0 + second * sign;
-            }
-            Kind::PositionDependentFriction => {
-                level *= 1.0 + first * (third * angle + second).sin()
-            }
-            Kind::QuadraticDrag => viscous += first * speed.abs(),
-            Kind::Cogging => {
-                position += second * (first * angle + third).sin()
-                    + fourth * (2.0 * first * angle + fifth).sin();
-            }
-            Kind::Gravity => position += first * (angle + second).sin(),
-            _ => {}
-        }
-    }
-    let inertia = model.motor.rotor_inertia_kg_m2 + model.load.inertia_kg_m2;
-    inertia * acceleration + sign * level + viscous * speed + position
-}
-
-/// What torque ripple makes of the torque constant.
-fn ripple(model: &Model, angle: f64) -> f64 {
-    let ripples = model.effects.iter().filter(|effect| effect.kind == Kind::TorqueRipple);
-    ripples.fold(1.0, |gain, effect| {
-        let [amplitude, phase, order, ..] = effect.values;
-        gain * (1.0 + amplitude * (order * angle + phase).cos())
-    })
+/// By how much a measured acceleration exceeds the model's in steady slip, rad/s².
+fn missing(equations: &Equations, current: f64, angle: f64, speed: f64, acceleration: f64) -> f64 {
+    let held = Held { drive: current, ..Held::default() };
+    let (at, bristle) = (equations.layout().speed(0), equations.layout().bristle(0));
+    let mut state = equations.rest();
+    (state[Layout::ANGLE], state[at]) = (angle, speed);
+    let mut rate = state.clone();
+    let mut slip = |z: f64| {
+        state[bristle] = z;
+        equations.derivative(&held, &state, &mut rate);
+        (rate[bristle], rate[at])
+    };
+    // The bristle's rate is a straight line in its deflection: where it ends, slip is steady.
+    let (relaxed, bent) = (slip(0.0).0, slip(1.0).0);
+    let steady = if relaxed == bent { 0.0 } else { relaxed / (relaxed - bent) };
+    acceleration - slip(steady).1
 }
 
 /// A fourth-order Butterworth low-pass run forward and backward; `share` is its corner over the
@@ -155,6 +136,7 @@ fn difference(values: &[f64], step: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::Log;
 
     #[test]
     fn the_low_pass_keeps_a_constant_and_a_slow_sine_without_delay() {
@@ -165,5 +147,36 @@ mod tests {
         }
         let fast: Vec<f64> = (0..2000).map(|k| (2.0 * f64::from(k)).sin()).collect();
         assert!(both_ways(&fast, 0.04)[100..1900].iter().all(|y| y.abs() < 1e-4));
+    }
+
+    #[test]
+    fn the_force_of_a_known_motion_is_the_models_and_lacks_what_the_model_lacks() {
+        let text = "[motor]\ntorque_constant_nm_per_a = 2.0\nrotor_inertia_kg_m2 = 3.0\n\
+             [motor.friction]\nsigma0_nm_per_rad = 1e5\nsigma1_nm_s_per_rad = 100.0\n\
+             sigma2_nm_s_per_rad = 4.0\ncoulomb_nm = 1.5\n\
+             [sensor]\nsample_time_s = 1e-3\n\
+             [[effect]]\nkind = \"asymmetric-friction\"\nlocation = \"motor\"\n\
+             asymmetry = 0.2\nviscous_asymmetry = -0.3\n";
+        let model = Model::parse(text, "axis.toml".as_ref()).unwrap();
+        let time_s: Vec<f64> = (0..6000).map(|k| f64::from(k) * 1e-3).collect();
+        let (turn, pace) = (1.2, 3.0);
+        let current = |t: &f64| {
+            let (speed, acceleration) =
+                (turn * pace * (pace * t).cos(), -turn * pace * pace * (pace * t).sin());
+            let (level, viscous) = if speed > 0.0 { (1.8, 2.8) } else { (1.2, 5.2) };
+            (3.0 * acceleration + speed.signum() * level + viscous * speed) / 2.0
+        };
+        let log = Log {
+            current_a: Some(time_s.iter().map(current).collect()),
+            motor_angle_rad: time_s.iter().map(|t| turn * (pace * t).sin()).collect(),
+            time_s,
+            ..Log::default()
+        };
+        let record = Record::new(&log, None);
+        let with = relative_force_error(&model, &record).unwrap();
+        let without =
+            relative_force_error(&Model { effects: Vec::new(), ..model }, &record).unwrap();
+        assert!(with < 0.01, "{with}");
+        assert!(without > 0.05, "{without}");
     }
 }
