@@ -120,7 +120,7 @@ fn behind_a_gap_the_filter_starts_anew_in_the_motion_that_the_encoder_shows() {
         let mask = vec![1.0; record.len()];
         let noise = expected(&truth, &record);
         let problem = Problem::new(&record, &mask);
-        let (_, innovations, _) = problem.design(&truth, &noise).unwrap();
+        let innovations = problem.design(&truth, &noise).unwrap().innovations;
         problem.sum_of_squares(&innovations) / record.len() as f64
     };
     let (intact, gapped) = (per_sample(&whole, false), per_sample(&broken, false));

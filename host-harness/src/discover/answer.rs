@@ -26,7 +26,7 @@ use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel, JoinError, Record};
-use crate::estimate::refit;
+use crate::estimate::{noise, refit};
 use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
@@ -39,6 +39,8 @@ const BLOCKS: usize = 10;
 const HELD_OUT: [usize; 3] = [3, 6, 9];
 /// How many times finer the step is made when the gate complains.
 const FINER: u32 = 4;
+/// Rounds of the fit that shows whether that helps.
+const FINER_ROUNDS: usize = 2;
 /// Samples that are looked at; longer logs are thinned to stretches.
 const MOST_SAMPLES: usize = 60_000;
 /// Units of log-likelihood that separate two names by a factor e: friction laws and sensors that
@@ -105,18 +107,16 @@ pub fn discover_without(
         let finer = coarse.refined(micro_steps * FINER);
         let problem = Problem::new(&finer, &fitted);
         let Stage { fit, origin } = &found.after;
-        let better = refit::polish(
-            &problem,
-            origin,
-            &fit.model,
-            &fit.coordinates,
-            &found.expected,
-            &fit.noise,
-        )?;
-        let left = Remainder::of(&problem, &better, &found.expected, &fitted)?;
+        let (model, moved, expected) = (&fit.model, &fit.coordinates, &found.expected);
+        let noise = noise::refine(&problem, model, expected, &fit.noise)?;
+        let better = problem.rough().fit(origin, model, moved, &noise, FINER_ROUNDS)?;
+        let mut left = Remainder::of(&problem, &better, expected, &fitted)?;
         if left.complaints().len() < remainder.complaints().len()
             || left.torque < 0.7 * remainder.torque
         {
+            let (model, noise) = (&better.model, &better.noise);
+            let better = refit::polish(&problem, origin, model, moved, expected, noise)?;
+            left = Remainder::of(&problem, &better, expected, &fitted)?;
             found.after = Stage { fit: better, origin: origin.clone() };
             remainder = left;
             record = finer;
@@ -132,8 +132,8 @@ pub fn discover_without(
         true => believable(&after.noise, &found.expected),
         false => after.noise,
     };
-    let (_, innovations_before, _) = problem.design(&before.model, &noise)?;
-    let (_, innovations_after, _) = problem.design(&after.model, &noise)?;
+    let innovations_before = problem.design(&before.model, &noise)?.innovations;
+    let innovations_after = problem.design(&after.model, &noise)?.innovations;
     let orders = orders(&found);
     let first = found.rounds.first().map(|round| round.name.0);
     let along_lines = !found.orders.is_empty() || first == Some(Kind::Cogging);
@@ -453,6 +453,9 @@ fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) ->
             }
         })
         .collect();
+    all.extend(
+        found.contradictions.iter().map(|text| format!("fits, but is contradicted: {text}")),
+    );
     if found.rounds.is_empty() {
         let best = found.scores.iter().map(|row| row.score).fold(0.0, f64::max);
         let chance = found.chance.first().copied().unwrap_or_default();

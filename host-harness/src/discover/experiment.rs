@@ -158,6 +158,8 @@ fn blank(record: &Record, interval: f64, drive_values: Vec<f64>, micro_steps: u3
         drive: record.drive,
         load_nm: vec![0.0; drive_values.len()],
         measured: vec![row; drive_values.len()],
+        bus_v: None,
+        temperature_c: None,
         starts: vec![0],
         cuts: Vec::new(),
         drive_values,
@@ -208,8 +210,8 @@ fn worth(input: &Record, rivals: [&Stage; 2]) -> Result<f64, BuildError> {
         let record = twin(&right.fit.model, input, &right.fit.noise, 7)?;
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
-        let (_, _, own) = problem.design(&right.fit.model, &right.fit.noise)?;
-        let (_, _, other) = problem.design(&wrong.fit.model, &wrong.fit.noise)?;
+        let own = problem.design(&right.fit.model, &right.fit.noise)?.deviance;
+        let other = problem.design(&wrong.fit.model, &wrong.fit.noise)?.deviance;
         lost += (other - own) / 2.0;
     }
     Ok(lost / 2.0)

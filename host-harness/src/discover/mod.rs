@@ -4,6 +4,7 @@
 pub mod answer;
 pub mod candidates;
 pub mod comb;
+mod contradiction;
 pub mod experiment;
 pub mod findings;
 pub mod force;

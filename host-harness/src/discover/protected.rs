@@ -6,6 +6,8 @@
 //! misses, and the parameters stay where they belong. Hypotheses are scored and first fitted beside
 //! the push, and only then have to do without it.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::candidates::{self, Scene};
@@ -13,17 +15,17 @@ use super::comb::{self, comb};
 use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
 use super::score_test::{Gain, ScoreTest};
-use super::search::{
-    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, believable, threshold, title,
-};
+use super::search::{Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, threshold, title};
 use super::whereabouts::disagreeing;
-use crate::estimate::filter::Noise;
-use crate::estimate::fit::Problem;
+use crate::estimate::filter::{Linearisation, Noise};
+use crate::estimate::fit::{Known, Problem};
 use crate::estimate::refit::{self, cost};
 use crate::plant::BuildError;
 
 /// How much less than expected the model is trusted beside the push.
 const DISTRUST: f64 = 2.0;
+/// Share of the best gain beside the push from which on a name has to do without it.
+const RIVALLING: f64 = 0.2;
 /// Hypotheses that are fitted beside the push.
 const FITTED: usize = 5;
 
@@ -55,30 +57,44 @@ pub fn add_protected(
     let mut ranked: Vec<(&Hypothesis, f64)> =
         hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut tried: Vec<(Contender, Stage)> = Vec::new();
+    let mut promising: Vec<(&Hypothesis, f64)> = Vec::new();
     for (hypothesis, score) in ranked.into_iter().filter(|(_, gain)| *gain > least) {
-        if tried.len() >= FITTED || tried.iter().any(|(known, _)| known.name == hypothesis.name()) {
-            continue;
+        let known = promising.iter().any(|(known, _)| known.name() == hypothesis.name());
+        if promising.len() < FITTED && !known {
+            promising.push((hypothesis, score));
         }
+    }
+    let beside_push = |(hypothesis, score): (&Hypothesis, f64)| {
         let mut origin = base.origin.clone();
         origin.effects.push(hypothesis.start);
         let mut coordinates = base.fit.coordinates.clone();
         coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
         let start = hypothesis.added(&protected.model);
-        let fit = beside.fit(&origin, &start, &coordinates, &wary, 5)?;
-        let fit = refit::polish(&problem, &origin, &fit.model, &coordinates, &expected, &wary)?;
-        let gain = match believable(&fit.model, problem.record) {
-            true => cost(&base.fit) - cost(&fit),
+        let near = Some(test.jacobian());
+        let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
+        let fit = beside.fit_from(known, &origin, &start, &coordinates, &wary, 5)?;
+        let gain = cost(&protected) - cost(&fit);
+        Ok((hypothesis.name(), score, gain, Stage { fit, origin }))
+    };
+    let fitted = promising.into_par_iter().map(beside_push);
+    let mut fitted = fitted.collect::<Result<Vec<_>, BuildError>>()?;
+    let strongest = fitted.iter().map(|(.., gain, _)| *gain).fold(0.0, f64::max);
+    fitted.retain(|(.., gain, _)| *gain >= RIVALLING * strongest);
+    let alone = |(name, score, _, Stage { fit, origin }): (_, _, _, Stage)| {
+        let (model, moved) = (&fit.model, &fit.coordinates);
+        let fit = refit::polish(&problem, &origin, model, moved, &expected, &wary)?;
+        Ok((name, score, Stage { fit, origin }))
+    };
+    let alone = fitted.into_par_iter().map(alone).collect::<Result<Vec<_>, BuildError>>()?;
+    let mut tried: Vec<(Contender, Stage)> = Vec::new();
+    for (name, score, stage) in alone {
+        let gain = match search.believes(&stage.fit.model, problem.record) {
+            true => cost(&base.fit) - cost(&stage.fit),
             false => f64::NEG_INFINITY,
         };
-        search.scores.push(ScoreRow {
-            round,
-            name: title(hypothesis.name()),
-            score,
-            refitted: Some(gain),
-        });
-        let name = hypothesis.name();
-        tried.push((Contender { name, gain }, Stage { fit, origin }));
+        let refitted = Some(gain);
+        search.scores.push(ScoreRow { round, name: title(name), score, refitted });
+        tried.push((Contender { name, gain }, stage));
     }
     tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
     let alone = tried.first().map_or(0.0, |(winner, _)| winner.gain.max(0.0));

@@ -108,6 +108,11 @@ impl<'a> ScoreTest<'a> {
         &self.pulls
     }
 
+    /// The nuisances' derivative at the base model.
+    pub fn jacobian(&self) -> &DMatrix<f64> {
+        &self.jacobian
+    }
+
     /// The base model's states along the record.
     pub fn states(&self) -> &[Vec<f64>] {
         &self.states

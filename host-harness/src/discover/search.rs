@@ -5,6 +5,8 @@
 //! model, where nothing is missing. At the end every added effect has to prove that it is still
 //! needed.
 
+use std::borrow::Cow;
+
 use indicatif::ProgressBar;
 use joint_core::effect::Kind;
 use joint_core::joint::Drive;
@@ -12,12 +14,13 @@ use joint_core::params::Location;
 use rayon::prelude::*;
 
 use super::candidates::{self, Scene};
+use super::contradiction::contradiction;
 use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
-use crate::estimate::filter::Noise;
-use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::filter::{Linearisation, Noise};
+use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::noise;
 use crate::estimate::parameters::Quantity;
 use crate::estimate::record::{Channel, Record};
@@ -44,6 +47,8 @@ const CALM: f64 = 1.5;
 const WORTH_ANOTHER: f64 = 20.0;
 /// Looks at one round.
 const LOOKS: usize = 3;
+/// Share of the best short refit's gain from which on a name gets a full one.
+const RIVALLING: f64 = 0.2;
 /// Hypotheses that get a short refit, and how many of these a full one.
 const SHORT: usize = 5;
 const FULL: usize = 3;
@@ -94,10 +99,27 @@ pub struct Search {
     pub orders: Vec<f64>,
     /// What a score had to exceed, by round.
     pub chance: Vec<f64>,
+    /// How names that fit contradict channels that were not fitted to.
+    pub contradictions: Vec<String>,
     /// Kinds that are not on the list.
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
+}
+
+impl Search {
+    /// Whether a model's last effect is one that a joint can have and that no channel contradicts;
+    /// keeps what does.
+    pub fn believes(&mut self, model: &Model, record: &Record) -> bool {
+        if !believable(model, record) {
+            return false;
+        }
+        let Some(against) = contradiction(model, record) else { return true };
+        if !self.contradictions.contains(&against) {
+            self.contradictions.push(against);
+        }
+        false
+    }
 }
 
 /// Runs the search.
@@ -114,6 +136,9 @@ pub fn search(
     let expected = noise::expected(nominal, problem.record);
     let fit = refit::refit(&problem, nominal)?;
     let before = Stage { fit, origin: nominal.clone() };
+    // Contenders are told apart by tens; the model that is left in the end is polished.
+    let last = problem;
+    let problem = problem.rough();
     let mut search = Search {
         after: before.clone(),
         before,
@@ -121,6 +146,7 @@ pub fn search(
         scores: Vec::new(),
         orders: Vec::new(),
         chance: Vec::new(),
+        contradictions: Vec::new(),
         withdrawn: withdrawn.to_vec(),
         expected,
     };
@@ -145,11 +171,15 @@ pub fn search(
     }
     bar.set_message("trying to do without");
     drop_needless(problem, &mut search)?;
-    if !search.rounds.is_empty() && !nominal.stages.is_empty() {
-        // What was missing may have held the springs in a wrong valley.
+    if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
         let Stage { fit, origin } = &search.after;
-        let settled = refit::resettle(&problem, origin, &fit.model, &fit.coordinates)?;
+        let (model, moved) = (&fit.model, &fit.coordinates);
+        let settled = match nominal.stages.is_empty() {
+            true => refit::polish(&last, origin, model, moved, &search.expected, &fit.noise)?,
+            // What was missing may have held the springs in a wrong valley.
+            false => refit::resettle(&last, origin, model, moved)?,
+        };
         if cost(&settled) < cost(fit) {
             search.after = Stage { fit: settled, origin: origin.clone() };
         }
@@ -251,7 +281,9 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
             let mut coordinates = base.fit.coordinates.clone();
             coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
             let start = hypothesis.added(&base.fit.model);
-            let fit = problem.fit(&origin, &start, &coordinates, &base.fit.noise, 3)?;
+            let (near, noise) = (Some(test.jacobian()), &base.fit.noise);
+            let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
+            let fit = problem.fit_from(known, &origin, &start, &coordinates, noise, 3)?;
             let gain = (cost(&base.fit) - cost(&fit)).max(*score);
             Ok((*hypothesis, Stage { fit, origin }, gain))
         })
@@ -259,21 +291,21 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     short.sort_by(|a, b| b.2.total_cmp(&a.2));
     let strongest = short.first().map_or(0.0, |(_, _, gain)| *gain);
     let contending: Vec<_> =
-        short.into_iter().filter(|(_, _, gain)| *gain > 0.1 * strongest).take(FULL).collect();
-    let expected = &search.expected;
+        short.into_iter().filter(|(_, _, gain)| *gain > RIVALLING * strongest).take(FULL).collect();
+    let expected = search.expected;
     let mut full: Vec<(&Hypothesis, Stage)> = contending
         .into_par_iter()
         .map(|(hypothesis, Stage { fit, origin }, _)| {
             let Fit { model, coordinates, noise, .. } = fit;
-            let fit = refit::polish(&problem, &origin, &model, &coordinates, expected, &noise)?;
+            let fit = refit::polish(&problem, &origin, &model, &coordinates, &expected, &noise)?;
             Ok((hypothesis, Stage { fit, origin }))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
-    full.retain(|(_, stage)| believable(&stage.fit.model, problem.record));
+    full.retain(|(_, stage)| search.believes(&stage.fit.model, problem.record));
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.
     let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
-    let (_, _, deviance) = problem.design(&base.fit.model, &noise)?;
+    let deviance = problem.design(&base.fit.model, &noise)?.deviance;
     let level = (deviance + base.fit.prior).min(cost(&base.fit));
     let contenders: Vec<Contender> = full
         .iter()
@@ -320,7 +352,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
 /// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
 /// that sees the future, no torque that falls as the current of this record grows. Behind gears two
 /// encoders may stand, of which only the difference is known.
-pub fn believable(model: &Model, record: &Record) -> bool {
+fn believable(model: &Model, record: &Record) -> bool {
     let Some(effect) = model.effects.last() else { return true };
     let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
     let inside = values.all(|(spec, value)| {

@@ -116,7 +116,7 @@ pub fn disagreeing(
     let mut starts = Vec::new();
     for model in [&plain.model, origin] {
         let mut along = Cow::Owned(Linearisation::default());
-        problem.deviance_along(&mut along, model, noise)?;
+        problem.design_along(&mut along, model, noise)?;
         starts.push((model, along));
     }
     let scored = pushes(problem, &plain.model, noise)
@@ -124,7 +124,7 @@ pub fn disagreeing(
         .flat_map_iter(|walk| starts.iter().map(move |(model, along)| (*walk, *model, along)))
         .map(|(walk, model, along)| {
             let along = &mut Cow::Borrowed(&**along);
-            let deviance = problem.pushed(walk).deviance_along(along, model, noise)?;
+            let deviance = problem.pushed(walk).design_along(along, model, noise)?.deviance;
             Ok((deviance, walk, model))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;

@@ -14,9 +14,17 @@ use rayon::prelude::*;
 use super::coordinates::Coordinate;
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::record::{CHANNELS, Channel, Record};
+use super::slope::Slope;
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::{BuildError, plant};
+
+/// What a round must gain of minus twice the log-likelihood to be followed by another: where a model
+/// is to be known, and where it is only to be compared.
+const WORTH: f64 = 0.3;
+const ROUGH: f64 = 5.0;
+/// Share of the sum of squares that a step must take for the joint to be linearised anew.
+const FAR: f64 = 0.1;
 
 /// A model fitted to a record.
 #[derive(Clone, Debug)]
@@ -37,6 +45,26 @@ pub struct Fit {
     pub prior: f64,
 }
 
+/// A filter designed at a model, and what it makes of the record.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// Its gains.
+    pub gains: Gains,
+    /// Whitened innovations of the whole record.
+    pub innovations: Vec<[f64; CHANNELS]>,
+    /// Minus twice the log-likelihood over the samples fitted to.
+    pub deviance: f64,
+}
+
+/// What is known where a fit starts, and saves the time to find it.
+pub struct Known<'l, 'a> {
+    /// The joint's linearisation at the start, or none yet; afterwards that of the fitted model.
+    pub along: &'l mut Cow<'a, Linearisation>,
+    /// The innovations' derivative with the first coordinates, of a model near the start at the same
+    /// noise.
+    pub near: Option<&'l DMatrix<f64>>,
+}
+
 /// A record, and the part of it that is fitted to.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {
@@ -50,6 +78,8 @@ pub struct Problem<'a> {
     /// Whether a step counts only if the filter designed at its end is better as well: slower, and
     /// for a record in which nothing is missing.
     pub cautious: bool,
+    /// What a round must gain of minus twice the log-likelihood to be followed by another.
+    pub worth: f64,
 }
 
 /// The random constants that every filter carries: an encoder zeroed at the start of a log knows
@@ -65,12 +95,17 @@ pub fn standing_walks(record: &Record) -> Vec<Walk> {
 impl<'a> Problem<'a> {
     /// A record fitted to over a mask, with a model that is believed.
     pub fn new(record: &'a Record, mask: &'a [f64]) -> Self {
-        Self { record, mask, push: None, cautious: false }
+        Self { record, mask, push: None, cautious: false, worth: WORTH }
     }
 
     /// The same with every step proven.
     pub fn cautious(self) -> Self {
         Self { cautious: true, ..self }
+    }
+
+    /// The same, content with fits near enough to be told apart.
+    pub fn rough(self) -> Self {
+        Self { worth: ROUGH, ..self }
     }
 
     /// The same with a push on one equation.
@@ -83,36 +118,29 @@ impl<'a> Problem<'a> {
         standing_walks(self.record).into_iter().chain(self.push).collect()
     }
 
-    /// Designs the filter at a model and runs it: gains, innovations, masked deviance.
+    /// Designs the filter at a model and runs it.
     ///
     /// # Errors
     /// The model cannot be built.
-    pub fn design(
-        &self,
-        model: &Model,
-        noise: &Noise,
-    ) -> Result<(Gains, Vec<[f64; CHANNELS]>, f64), BuildError> {
-        let plant = plant(model, &self.record.grid, self.record.drive)?;
-        let observer = Observer::new(model, &*plant, self.record);
-        let (gains, run) = observer.design(noise, &self.walks());
-        let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
-        Ok((gains, run.innovations, deviance))
+    pub fn design(&self, model: &Model, noise: &Noise) -> Result<Design, BuildError> {
+        self.design_along(&mut Cow::Owned(Linearisation::default()), model, noise)
     }
 
-    /// Masked deviance of a model at a noise, along a shared linearisation.
+    /// The same along a linearisation of a model near it, which is made if it is empty.
     ///
     /// # Errors
     /// The model cannot be built.
-    pub fn deviance_along(
+    pub fn design_along(
         &self,
         along: &mut Cow<'_, Linearisation>,
         model: &Model,
         noise: &Noise,
-    ) -> Result<f64, BuildError> {
+    ) -> Result<Design, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = Observer::new(model, &*plant, self.record);
         let (gains, run) = observer.design_along(along, noise, &self.walks());
-        Ok(self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask))
+        let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
+        Ok(Design { gains, innovations: run.innovations, deviance })
     }
 
     /// Innovations of a model with frozen gains.
@@ -196,36 +224,65 @@ impl<'a> Problem<'a> {
         noise: &Noise,
         rounds: usize,
     ) -> Result<Fit, BuildError> {
-        let (mut gains, mut innovations, mut deviance) = self.design(start, noise)?;
+        let along = &mut Cow::Owned(Linearisation::default());
+        self.fit_from(Known { along, near: None }, origin, start, coordinates, noise, rounds)
+    }
+
+    /// The same with what is known at the start already.
+    ///
+    /// # Errors
+    /// The start cannot be built.
+    pub fn fit_from(
+        &self,
+        known: Known<'_, '_>,
+        origin: &Model,
+        start: &Model,
+        coordinates: &[Coordinate],
+        noise: &Noise,
+        rounds: usize,
+    ) -> Result<Fit, BuildError> {
+        let Known { along, near } = known;
+        let mut design = self.design_along(along, start, noise)?;
+        let mut linearised = true;
         let mut model = start.clone();
         let precision = DVector::from_iterator(
             coordinates.len(),
             coordinates.iter().map(|c| c.prior_sigma().powi(-2)),
         );
-        let offset = |model: &Model| {
-            DVector::from_iterator(
-                coordinates.len(),
-                coordinates.iter().map(|c| c.distance(origin, model)),
-            )
+        let offset = |from: &Model, to: &Model| {
+            let distances = coordinates.iter().map(|c| c.distance(from, to));
+            DVector::from_iterator(coordinates.len(), distances)
         };
+        let prior = |model: &Model| {
+            let at = offset(origin, model);
+            at.component_mul(&at).component_mul(&precision).sum()
+        };
+        let mut slope = near.map(|near| {
+            let residual = self.residual(&design.innovations);
+            let (known, new) = coordinates.split_at(near.ncols());
+            debug_assert!(known.len() == near.ncols());
+            let new = self.sensitivity(&model, &design.gains, new, Some(&residual));
+            let columns: Vec<_> = near.column_iter().chain(new.column_iter()).collect();
+            Slope::borrowed(DMatrix::from_columns(&columns))
+        });
         let mut damping = 1e-3;
         for _ in 0..rounds {
             if interrupt::asked() {
                 break;
             }
-            let residual = self.residual(&innovations);
-            let jacobian = self.sensitivity(&model, &gains, coordinates, Some(&residual));
-            let at = offset(&model);
-            let gradient = jacobian.tr_mul(&residual) + precision.component_mul(&at);
-            let curvature = jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision);
-            let prior = |model: &Model| {
-                let at = offset(model);
-                at.component_mul(&at).component_mul(&precision).sum()
-            };
-            let before = self.sum_of_squares(&innovations) + prior(&model);
-            let likely = deviance + prior(&model);
+            let residual = self.residual(&design.innovations);
+            let mut own = slope.take().filter(Slope::serves).unwrap_or_else(|| {
+                let here = Some(&residual);
+                Slope::fresh(self.sensitivity(&model, &design.gains, coordinates, here))
+            });
+            let at = offset(origin, &model);
+            let gradient = own.jacobian.tr_mul(&residual) + precision.component_mul(&at);
+            let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
+            let before = self.sum_of_squares(&design.innovations) + prior(&model);
+            let likely = design.deviance + prior(&model);
             let mut gained = 0.0;
-            for _ in 0..6 {
+            // A derivative that is not of this place is replaced rather than damped.
+            for _ in 0..if own.is_fresh() { 6 } else { 2 } {
                 let mut damped = curvature.clone();
                 for k in 0..coordinates.len() {
                     damped[(k, k)] += damping * curvature[(k, k)];
@@ -235,16 +292,28 @@ impl<'a> Problem<'a> {
                 for (coordinate, step) in coordinates.iter().zip(step.iter()) {
                     coordinate.shift(&mut moved, coordinate.limited(*step));
                 }
-                let after = match self.innovations(&moved, &gains) {
-                    Ok(rows) => self.sum_of_squares(&rows) + prior(&moved),
-                    Err(_) => f64::INFINITY,
-                };
+                let rows = self.innovations(&moved, &design.gains);
+                let rows = rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; self.record.len()]);
+                let after = self.sum_of_squares(&rows) + prior(&moved);
                 if after < before {
                     // What frozen gains promise must hold for the filter designed at the new point.
-                    let (g, i, d) = self.design(&moved, noise)?;
-                    let found = d + prior(&moved);
+                    let far = self.cautious || before - after > FAR * before;
+                    if far {
+                        *along = Cow::Owned(Linearisation::default());
+                    }
+                    let new = self.design_along(along, &moved, noise)?;
+                    let found = new.deviance + prior(&moved);
                     if found < likely || !self.cautious {
-                        (gains, innovations, deviance) = (g, i, d);
+                        let step = offset(&model, &moved);
+                        let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
+                        let change = self.residual(&rows) - &residual;
+                        own.learn(
+                            &step,
+                            &change,
+                            &curvature.diagonal(),
+                            [promised, before - after],
+                        );
+                        (design, linearised) = (new, far);
                         model = moved;
                         gained = if self.cautious { likely - found } else { before - after };
                         damping = (damping * 0.1).max(1e-9);
@@ -253,19 +322,23 @@ impl<'a> Problem<'a> {
                 }
                 damping *= 10.0;
             }
-            if gained < 0.3 {
+            if gained < self.worth && (own.is_fresh() || gained > 0.0) {
                 break;
             }
+            slope = (gained > 0.0).then_some(own);
         }
-        let at = offset(&model);
+        if !linearised {
+            *along = Cow::Owned(Linearisation::default());
+            design = self.design_along(along, &model, noise)?;
+        }
         Ok(Fit {
-            prior: at.component_mul(&at).component_mul(&precision).sum(),
+            prior: prior(&model),
             model,
             coordinates: coordinates.to_vec(),
             noise: *noise,
-            gains,
-            innovations,
-            deviance,
+            gains: design.gains,
+            innovations: design.innovations,
+            deviance: design.deviance,
         })
     }
 

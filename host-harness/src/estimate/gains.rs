@@ -79,3 +79,10 @@ pub struct Linearisation {
     /// By sample: derivative of each state with the drive.
     pub(super) drive: Vec<f64>,
 }
+
+impl Linearisation {
+    /// Whether it has still to be made.
+    pub fn is_empty(&self) -> bool {
+        self.drive.is_empty()
+    }
+}

@@ -16,4 +16,5 @@ pub mod noise;
 pub mod parameters;
 pub mod record;
 pub mod refit;
+pub mod slope;
 pub mod twin;

@@ -57,6 +57,20 @@ pub fn refine(
     expected: &Noise,
     start: &Noise,
 ) -> Result<Noise, BuildError> {
+    refine_along(problem, &mut Cow::Owned(Linearisation::default()), model, expected, start)
+}
+
+/// The same along a linearisation of this model, which is made if it is empty.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn refine_along(
+    problem: &Problem<'_>,
+    along: &mut Cow<'_, Linearisation>,
+    model: &Model,
+    expected: &Noise,
+    start: &Noise,
+) -> Result<Noise, BuildError> {
     let mut knobs = vec![Knob { which: 1, expected: expected.torque.ln(), spread: 0.7 }];
     if problem.record.drive == Drive::Voltage {
         knobs.push(Knob { which: 0, expected: expected.drive.ln(), spread: 0.7 });
@@ -67,10 +81,9 @@ pub fn refine(
             knobs.push(Knob { which: 2 + channel as usize, expected, spread: 3.0 });
         }
     }
-    let mut along = Cow::Owned(Linearisation::default());
-    problem.deviance_along(&mut along, model, start)?;
+    problem.design_along(along, model, start)?;
     let cost = |noise: &Noise| -> Result<f64, BuildError> {
-        let deviance = problem.deviance_along(&mut Cow::Borrowed(&*along), model, noise)?;
+        let deviance = problem.design_along(&mut Cow::Borrowed(&**along), model, noise)?.deviance;
         let prior: f64 = knobs
             .iter()
             .map(|knob| ((get(noise, knob.which).ln() - knob.expected) / knob.spread).powi(2))

@@ -47,6 +47,10 @@ pub struct Record {
     pub load_nm: Vec<f64>,
     /// Measurements by sample and channel; NaN where there is none.
     pub measured: Vec<[f64; CHANNELS]>,
+    /// Bus voltage, V, where every log has it: never fitted to.
+    pub bus_v: Option<Vec<f64>>,
+    /// Temperature, °C, where every log has it: never fitted to.
+    pub temperature_c: Option<Vec<f64>>,
     /// The intervals.
     pub grid: Grid,
     /// Samples at which a log begins, or goes on after a gap.
@@ -94,6 +98,8 @@ impl Record {
             whole.drive_values.extend(part.drive_values);
             whole.load_nm.extend(part.load_nm);
             whole.measured.extend(part.measured);
+            whole.bus_v = joined(whole.bus_v, part.bus_v);
+            whole.temperature_c = joined(whole.temperature_c, part.temperature_c);
         }
         whole.grid = Grid::new(&whole.time_s, micro_steps);
         Ok(whole)
@@ -128,6 +134,8 @@ impl Record {
             drive_values: held(values),
             load_nm: held(log.load_torque_nm.clone().unwrap_or_else(|| vec![0.0; n])),
             measured,
+            bus_v: log.bus_v.clone(),
+            temperature_c: log.temperature_c.clone(),
             grid,
             starts,
             cuts,
@@ -165,6 +173,8 @@ impl Record {
             drive_values: of(&self.drive_values),
             load_nm: of(&self.load_nm),
             measured: kept.iter().map(|k| self.measured[*k]).collect(),
+            bus_v: self.bus_v.as_deref().map(of),
+            temperature_c: self.temperature_c.as_deref().map(of),
             starts,
             cuts,
         }
@@ -213,6 +223,13 @@ impl Record {
         let smallest = steps.filter(|step| *step > 1e-12).fold(f64::INFINITY, f64::min);
         if smallest.is_finite() { smallest } else { 1e-6 }
     }
+}
+
+/// A channel of two records one after the other, if both have it.
+fn joined(before: Option<Vec<f64>>, after: Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let mut whole = before?;
+    whole.extend(after?);
+    Some(whole)
 }
 
 /// Missing inputs hold the last value.

@@ -10,11 +10,13 @@
 //! elsewhere, and where it ends with more noise than one believes, springs are tried stiffer and
 //! softer: twenty per cent off puts the chain's modes out of phase with the record.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
-use super::filter::Noise;
-use super::fit::{Fit, Problem};
+use super::filter::{Linearisation, Noise};
+use super::fit::{Fit, Known, Problem};
 use super::noise;
 use super::parameters::Quantity;
 use crate::model::Model;
@@ -107,10 +109,13 @@ pub fn polish(
     expected: &Noise,
     noise: &Noise,
 ) -> Result<Fit, BuildError> {
-    let first = noise::refine(problem, start, expected, noise)?;
-    let fit = problem.fit(origin, start, coordinates, &first, 6)?;
-    let second = noise::refine(problem, &fit.model, expected, &first)?;
-    problem.fit(origin, &fit.model, coordinates, &second, 4)
+    let along = &mut Cow::Owned(Linearisation::default());
+    let first = noise::refine_along(problem, along, start, expected, noise)?;
+    let known = Known { along, near: None };
+    let fit = problem.fit_from(known, origin, start, coordinates, &first, 6)?;
+    let second = noise::refine_along(problem, along, &fit.model, expected, &first)?;
+    let known = Known { along, near: None };
+    problem.fit_from(known, origin, &fit.model, coordinates, &second, 4)
 }
 
 /// Refits on until nothing is gained any more: polishing again as long as that helps, and from

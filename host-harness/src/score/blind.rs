@@ -58,6 +58,7 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
     };
     let mut turn = (number / CYCLE * (CYCLE - NOTHING) + place) as usize;
     let mut effects: Vec<EffectParameters> = Vec::new();
+    let mut sizes = Vec::new();
     while effects.len() < wanted {
         let size = 2.0_f64.powf(random.random_range(-1.0..1.0));
         let kind = all[turn % all.len()];
@@ -65,7 +66,10 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
         if effects.iter().any(|effect| effect.kind == kind) {
             continue;
         }
-        effects.extend(hidden(kind, &truth, size, DURATION_S, &mut random));
+        if let Some(effect) = hidden(kind, &truth, size, DURATION_S, &mut random) {
+            effects.push(effect);
+            sizes.push(size);
+        }
     }
     let withdrawn = (NOTHING..NOTHING + WITHDRAWN)
         .contains(&place)
@@ -89,6 +93,7 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
         case: format!("{number:04}"),
         verdict: verdict.to_owned(),
         effects: effects.iter().map(told).collect(),
+        size: sizes.first().copied(),
     };
     Ok(Trial { case, nominal, log, withdrawn })
 }

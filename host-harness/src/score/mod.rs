@@ -1,6 +1,8 @@
 //! How often discovery is right, over logs whose truth is known.
 
 pub mod blind;
+mod breakdown;
+mod share;
 mod summary;
 
 use std::collections::BTreeMap;
@@ -11,6 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::discover::findings::{Answer, Verdict};
 
+pub use breakdown::{Breakdown, Reliability};
+pub use share::Share;
 pub use summary::{Summary, table};
 
 /// One effect of a case's truth.
@@ -25,6 +29,12 @@ pub struct TrueEffect {
     pub parameters: BTreeMap<String, serde_json::Value>,
 }
 
+impl TrueEffect {
+    fn name(&self) -> String {
+        format!("{} {}", self.kind, self.location)
+    }
+}
+
 /// One case of `truth.json`.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Case {
@@ -35,10 +45,13 @@ pub struct Case {
     /// What was hidden.
     #[serde(default)]
     pub effects: Vec<TrueEffect>,
+    /// Size of the first of them, in units of what is typical of its kind.
+    #[serde(default)]
+    pub size: Option<f64>,
 }
 
 /// One row of `score.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Row {
     /// The case.
     pub case: String,
@@ -56,10 +69,23 @@ pub struct Row {
     pub gap_closed: Option<f64>,
     /// Relative error of the first name's main parameter.
     pub parameter_error: Option<f64>,
+    /// What was hidden, kind and place; empty where nothing has a name.
+    pub hidden: Vec<String>,
+    /// All names given, kind and place, in order.
+    pub names: Vec<String>,
+    /// How large the first hidden effect was, in units of what is typical of its kind.
+    pub size: Option<f64>,
     /// Wall time, s.
     pub seconds: f64,
     /// Whether the answer is right: the first name and its place, or adequate, or unknown.
     pub right: bool,
+}
+
+impl Row {
+    /// Whether the first name is one of those hidden.
+    pub fn first_is_hidden(&self) -> bool {
+        self.names.first().is_some_and(|name| self.hidden.contains(name))
+    }
 }
 
 /// The cases of a set that are scored: those with one of these kinds only where `kinds` is not
@@ -97,8 +123,8 @@ pub fn row(case: &Case, verdict: &Verdict) -> Row {
         Answer::Adequate => "adequate",
         Answer::Unknown => "unknown",
     };
-    let names: Vec<String> =
-        case.effects.iter().map(|effect| format!("{} {}", effect.kind, effect.location)).collect();
+    let named = case.verdict == "effect";
+    let hidden: Vec<String> = case.effects.iter().filter(|_| named).map(TrueEffect::name).collect();
     let truth = case.effects.first().filter(|_| case.verdict == "effect");
     let named_right = truth
         .zip(first)
@@ -114,7 +140,7 @@ pub fn row(case: &Case, verdict: &Verdict) -> Row {
     };
     Row {
         case: case.case.clone(),
-        truth: if case.verdict == "effect" { names.join(" + ") } else { case.verdict.clone() },
+        truth: if named { hidden.join(" + ") } else { case.verdict.clone() },
         verdict: answer.to_owned(),
         named: first.map(|effect| effect.kind.clone()),
         location: first.map(|effect| effect.location.clone()),
@@ -124,6 +150,9 @@ pub fn row(case: &Case, verdict: &Verdict) -> Row {
             .zip(first)
             .filter(|_| named_right)
             .and_then(|(truth, named)| parameter_error(truth, &named.parameters)),
+        hidden,
+        names: verdict.effects.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
+        size: case.size,
         seconds: verdict.seconds,
         right,
     }

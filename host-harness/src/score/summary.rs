@@ -1,13 +1,21 @@
 //! The scores over a set, and their table.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Serialize;
 
 use super::Row;
+use super::breakdown::Breakdown;
+use super::share::Share;
 
 /// A name given with this confidence or more is given as certain.
 const CERTAIN: f64 = 0.9;
+/// Names of the shares.
+const NAMED_RIGHTLY: &str = "named_rightly";
+const FALSE_ALARMS: &str = "false_alarms";
+const UNKNOWN_RECALL: &str = "unknown_recall";
+const CONFIDENT_WRONG: &str = "confident_wrong";
 
 /// The scores.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -32,6 +40,10 @@ pub struct Summary {
     pub parameter_error: Option<f64>,
     /// Median of the seconds a log.
     pub seconds: Option<f64>,
+    /// The shares above by name, with counts and confidence intervals.
+    pub shares: BTreeMap<&'static str, Share>,
+    /// Where they come from.
+    pub breakdown: Breakdown,
 }
 
 impl Summary {
@@ -42,7 +54,7 @@ impl Summary {
         let of_truth =
             |truth: &str| rows.iter().filter(|row| row.truth == truth).collect::<Vec<&Row>>();
         let (adequate, unknown) = (of_truth("adequate"), of_truth("unknown"));
-        let certain_wrong = |row: &&Row| {
+        let certain_wrong = |row: &Row| {
             let certain = row.confidence.is_some_and(|confidence| confidence >= CERTAIN);
             let own = |named: &String, place: &String| {
                 row.truth.split(" + ").any(|name| name == format!("{named} {place}"))
@@ -50,25 +62,31 @@ impl Summary {
             certain
                 && !row.named.as_ref().zip(row.location.as_ref()).is_some_and(|(n, l)| own(n, l))
         };
-        let all: Vec<&Row> = rows.iter().collect();
+        let shares: BTreeMap<&'static str, Share> = [
+            (NAMED_RIGHTLY, Share::of(&effects, |row| row.right)),
+            (FALSE_ALARMS, Share::of(&adequate, |row| !row.right)),
+            (UNKNOWN_RECALL, Share::of(&unknown, |row| row.right)),
+            (CONFIDENT_WRONG, Share::of(rows, |row| certain_wrong(row))),
+        ]
+        .into_iter()
+        .filter_map(|(name, share)| Some((name, share?)))
+        .collect();
+        let value = |name| shares.get(name).map(Share::value);
         Self {
             effects: effects.len(),
-            named_rightly: share(&effects, |row| row.right),
+            named_rightly: value(NAMED_RIGHTLY),
             adequate: adequate.len(),
-            false_alarms: share(&adequate, |row| !row.right),
-            confident_wrong: share(&all, |row| certain_wrong(&row)),
+            false_alarms: value(FALSE_ALARMS),
+            confident_wrong: value(CONFIDENT_WRONG),
             unknown: unknown.len(),
-            unknown_recall: share(&unknown, |row| row.right),
+            unknown_recall: value(UNKNOWN_RECALL),
             gap_closed: median(effects.iter().filter_map(|row| row.gap_closed).collect()),
             parameter_error: median(effects.iter().filter_map(|row| row.parameter_error).collect()),
             seconds: median(rows.iter().map(|row| row.seconds).collect()),
+            shares,
+            breakdown: Breakdown::of(rows),
         }
     }
-}
-
-fn share(rows: &[&Row], holds: impl Fn(&Row) -> bool) -> Option<f64> {
-    let count = rows.iter().filter(|row| holds(row)).count();
-    (!rows.is_empty()).then(|| count as f64 / rows.len() as f64)
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -109,27 +127,17 @@ pub fn table(rows: &[Row], summary: &Summary) -> String {
             if row.right { "" } else { "  wrong" }
         );
     }
-    let share =
-        |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{:.1} %", 100.0 * v));
-    let _ = writeln!(
-        text,
-        "named rightly first   {} of {}",
-        share(summary.named_rightly),
-        summary.effects
-    );
-    let _ = writeln!(
-        text,
-        "false alarms          {} of {}",
-        share(summary.false_alarms),
-        summary.adequate
-    );
-    let _ = writeln!(
-        text,
-        "unknown called so     {} of {}",
-        share(summary.unknown_recall),
-        summary.unknown
-    );
-    let _ = writeln!(text, "certain wrong names   {}", share(summary.confident_wrong));
+    let titles = [
+        ("named rightly first", NAMED_RIGHTLY),
+        ("false alarms", FALSE_ALARMS),
+        ("unknown called so", UNKNOWN_RECALL),
+        ("certain wrong names", CONFIDENT_WRONG),
+    ];
+    for (title, name) in titles {
+        let share = summary.shares.get(name).map_or("–".to_owned(), Share::to_string);
+        let _ = writeln!(text, "{title:21} {share}");
+    }
+    text += &summary.breakdown.told();
     let _ = writeln!(text, "gap closed, median    {}", number(summary.gap_closed));
     let _ = writeln!(text, "main parameter, error {}", number(summary.parameter_error));
     let _ = write!(text, "seconds a log, median {}", number(summary.seconds));

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
+use rayon::ThreadPoolBuilder;
 use serde_json::json;
 
 use super::discover::{failure, write};
@@ -86,22 +88,50 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
     Ok(rows)
 }
 
+/// Each trial on one core, as many at once as there are cores: nothing is lost to waiting, and the
+/// seconds of a log are those of a core.
 fn drawn(seed: u64, numbers: Range<u64>, common: &Common) -> Result<Vec<Row>, Failure> {
     let bar = common.progress(numbers.end - numbers.start, "score");
-    let mut rows = Vec::new();
-    for number in numbers {
-        let trial = trial(seed, number).map_err(|error| Failure::check(error.to_string()))?;
-        bar.set_message(trial.case.case.clone());
-        let hidden = indicatif::ProgressBar::hidden();
-        let withdrawn: Vec<_> = trial.withdrawn.into_iter().collect();
-        let findings =
-            discover_without(&trial.nominal, &[trial.log], &withdrawn, &hidden).map_err(failure)?;
-        if interrupt::asked() {
-            break;
+    let next = AtomicU64::new(numbers.start);
+    let worker = || -> Result<Vec<Row>, Failure> {
+        let pool = ThreadPoolBuilder::new().num_threads(1).build();
+        let pool = pool.map_err(|error| Failure::check(error.to_string()))?;
+        let mut rows = Vec::new();
+        while !interrupt::asked() {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= numbers.end {
+                break;
+            }
+            let row = pool.install(|| one(seed, number))?;
+            if !interrupt::asked() {
+                bar.inc(1);
+                bar.set_message(row.case.clone());
+                rows.push(row);
+            }
         }
-        rows.push(row(&trial.case, &findings.verdict));
-        bar.inc(1);
-    }
+        Ok(rows)
+    };
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut rows = std::thread::scope(|scope| {
+        let started: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
+        let mut rows = Vec::new();
+        for worker in started {
+            let ended = worker.join();
+            rows.extend(ended.map_err(|_| Failure::check("a worker of the benchmark stopped"))??);
+        }
+        Ok::<_, Failure>(rows)
+    })?;
+    rows.sort_by(|a, b| a.case.cmp(&b.case));
     bar.finish_and_clear();
     Ok(rows)
+}
+
+/// One trial of the benchmark.
+fn one(seed: u64, number: u64) -> Result<Row, Failure> {
+    let trial = trial(seed, number).map_err(|error| Failure::check(error.to_string()))?;
+    let withdrawn: Vec<_> = trial.withdrawn.into_iter().collect();
+    let hidden = indicatif::ProgressBar::hidden();
+    let findings =
+        discover_without(&trial.nominal, &[trial.log], &withdrawn, &hidden).map_err(failure)?;
+    Ok(row(&trial.case, &findings.verdict))
 }
