@@ -1,5 +1,6 @@
 //! `joint score`: how often discovery is right, over logs whose truth is known.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
@@ -31,6 +32,9 @@ pub struct Args {
     /// Which joints are drawn
     #[arg(long, value_name = "N", default_value_t = 1, requires = "simulate")]
     pub seed: u64,
+    /// The first of the draws to run, so that several machines can share one benchmark
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "simulate")]
+    pub from: u64,
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -48,7 +52,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     interrupt::watch();
     let rows = match (&args.set, args.simulate) {
         (Some(set), _) => of_set(set, args, &out, common)?,
-        (None, count) => drawn(args.seed, count.unwrap_or(0), common)?,
+        (None, count) => drawn(args.seed, args.from..args.from + count.unwrap_or(0), common)?,
     };
     // An interrupted score is that of the cases before.
     let summary = Summary::of(&rows);
@@ -82,10 +86,10 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
     Ok(rows)
 }
 
-fn drawn(seed: u64, count: u64, common: &Common) -> Result<Vec<Row>, Failure> {
-    let bar = common.progress(count, "score");
+fn drawn(seed: u64, numbers: Range<u64>, common: &Common) -> Result<Vec<Row>, Failure> {
+    let bar = common.progress(numbers.end - numbers.start, "score");
     let mut rows = Vec::new();
-    for number in 0..count {
+    for number in numbers {
         let trial = trial(seed, number).map_err(|error| Failure::check(error.to_string()))?;
         bar.set_message(trial.case.case.clone());
         let hidden = indicatif::ProgressBar::hidden();
