@@ -26,7 +26,8 @@ const LARGEST: f32 = 1e12;
 /// The rules by the name of the structure, any where none stands, and of the field; what is not named
 /// must be finite.
 const RULES: &[(&str, &str, Rule)] = &[
-    ("", "micro_steps", Rule::Whole(1, joint_core::joint::MAX_MICRO_STEPS as u64)),
+    // Of the splitting or of the implicit method: the other's are none.
+    ("", "micro_steps", Rule::Whole(0, joint_core::joint::MAX_MICRO_STEPS as u64)),
     ("", "half_drift", Rule::Positive),
     ("", "half_turn", Rule::Positive),
     ("", "turns", Rule::Positive),
@@ -42,6 +43,7 @@ const RULES: &[(&str, &str, Rule)] = &[
     ("", "rotor_gamma", Rule::NotNegative),
     ("", "gamma", Rule::NotNegative),
     ("", "mobility", Rule::Positive),
+    ("Implicit", "followed", Rule::Between(0.0, 1.0)),
     ("RotorKick", "per_torque", Rule::Positive),
     ("RotorKick", "induced", Rule::Between(0.0, 2.0)),
     ("RotorKick", "decay", Rule::Between(0.0, 1.0)),

@@ -8,6 +8,7 @@
 
 pub mod admissible;
 pub mod any_control;
+pub mod assumed;
 pub mod block;
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod board;

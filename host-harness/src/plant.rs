@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES};
 use joint_core::fixed::Fixed;
-use joint_core::joint::{Drive, Joint, Mass, Pace, Settings, StageState, State};
+use joint_core::joint::{Drive, Joint, Mass, Method, Pace, Settings, StageState, State};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
@@ -168,6 +168,7 @@ impl<S: Scalar, const N: usize> Built<S, N> {
                     drive,
                     step_s: grid.bridged(*interval) / f64::from(grid.per_interval),
                     micro_steps: grid.micro_steps(*interval),
+                    method: grid.method,
                     effects: &model.effects,
                 };
                 Joint::<S, N, EffectSet<S>>::new(&model.motor, &stages, &model.load, &settings)
@@ -263,6 +264,8 @@ pub struct Grid {
     per_interval: u32,
     /// Micro-steps of a typical interval.
     micro_steps: Option<u32>,
+    /// How joints are stepped; `None` leaves it to them.
+    method: Option<Method>,
     /// Median interval, s.
     typical: f64,
 }
@@ -291,7 +294,7 @@ impl Grid {
         let mut sorted: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         sorted.sort_by(f64::total_cmp);
         let typical = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
-        Self { intervals, serves, per_interval: 1, micro_steps, typical }
+        Self { intervals, serves, per_interval: 1, micro_steps, method: None, typical }
     }
 
     /// Micro-steps of an interval: more where a sample is missing, the same where a clock jitters.
@@ -376,7 +379,23 @@ pub fn simulate(
     step_s: Option<f64>,
     micro_steps: Option<u32>,
 ) -> Result<Vec<Snapshot>, BuildError> {
+    simulate_by(None, model, inputs, scalar, step_s, micro_steps)
+}
+
+/// The same by a method of one's own choice.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_by(
+    method: Option<Method>,
+    model: &Model,
+    inputs: &Inputs,
+    scalar: ScalarKind,
+    step_s: Option<f64>,
+    micro_steps: Option<u32>,
+) -> Result<Vec<Snapshot>, BuildError> {
     let mut grid = Grid::new(&inputs.time_s, micro_steps);
+    grid.method = method;
     if let Some(step) = step_s {
         let longest = grid.intervals.iter().copied().fold(0.0, f64::max);
         grid.per_interval = ((longest / step - 1e-6).ceil() as u32).max(1);

@@ -8,8 +8,9 @@
 
 use std::f64::consts::TAU;
 
+use firmware::assumed;
 use joint_core::joint::Drive;
-use joint_core::params::{Friction, Load, Motor, Stage};
+use joint_core::params::Load;
 
 use crate::model::{Model, Sensor};
 use crate::plant::Inputs;
@@ -21,32 +22,8 @@ pub const GRID_S: f64 = 100e-6;
 pub fn paper() -> Model {
     Model {
         name: "paper".to_owned(),
-        motor: Motor {
-            phase_resistance_ohm: 4.55,
-            phase_inductance_h: 13e-6,
-            torque_constant_nm_per_a: 1.38e-3,
-            phase_back_emf_constant_v_s_per_rad: None,
-            pole_pairs: 1,
-            rotor_inertia_kg_m2: 9.5e-10,
-            friction: friction([0.05, 4e-7, 1e-9], [9e-6, 4e-6, 20.0]),
-        },
-        stages: vec![
-            Stage {
-                reduction: 32.0,
-                inertia_kg_m2: 2e-9,
-                stiffness_nm_per_rad: 0.35,
-                friction: friction([1.5, 6e-6, 2e-8], [8e-5, 4e-5, 0.6]),
-                ..Stage::default()
-            },
-            Stage {
-                reduction: 32.0,
-                inertia_kg_m2: 8e-7,
-                stiffness_nm_per_rad: 15.0,
-                cubic_stiffness_nm_per_rad3: 1.5e6,
-                friction: friction([60.0, 2e-3, 2e-5], [1e-3, 5e-4, 0.02]),
-                ..Stage::default()
-            },
-        ],
+        motor: assumed::MOTOR,
+        stages: assumed::STAGES.to_vec(),
         load: Load::default(),
         sensor: Sensor {
             sample_time_s: GRID_S,
@@ -55,17 +32,6 @@ pub fn paper() -> Model {
             current_noise_a: 1.5e-3,
         },
         effects: Vec::new(),
-    }
-}
-
-fn friction(sigma: [f64; 3], level: [f64; 3]) -> Friction {
-    Friction {
-        sigma0_nm_per_rad: sigma[0],
-        sigma1_nm_s_per_rad: sigma[1],
-        sigma2_nm_s_per_rad: sigma[2],
-        coulomb_nm: level[0],
-        stribeck_nm: level[1],
-        stribeck_velocity_rad_per_s: level[2],
     }
 }
 

@@ -175,6 +175,7 @@ impl Scalar for Fixed {
     const HALF: Fixed = Fixed(UNIT / 2);
     const SIXTH: Fixed = Fixed((UNIT + 3) / 6);
     const ELEVEN_TWELFTHS: Fixed = Fixed(UNIT - (UNIT + 6) / 12);
+    const IMPLICIT: bool = false;
     const RISES: bool = false;
     const REACH: f64 = 1.0;
     const PER_REACH: Fixed = Fixed(UNIT);

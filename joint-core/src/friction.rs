@@ -25,15 +25,15 @@ pub struct Friction<S: Scalar> {
     /// β = α1/α0.
     beta: S,
     /// κ = σ0 h / (2 α0): slip over half a step in units of the bristle's reach, per speed.
-    kappa: S::Gain,
+    pub(crate) kappa: S::Gain,
     /// α0, torque per ζ.
-    level: S,
+    pub(crate) level: S,
     /// σ1/κ: torque of a bend over half a step.
     per_reach: S::Gain,
     /// σ0 h²/24 J, the force gradient's share of a force.
     stiffness: S::Gain,
-    sigma1: S,
-    sigma2: S,
+    pub(crate) sigma1: S,
+    pub(crate) sigma2: S,
     /// σ1 + σ2.
     standing: S,
     /// Share of ζ per speed that passes standstill.
@@ -77,11 +77,11 @@ pub(crate) struct Half<S> {
 
 /// The Stribeck curve at one speed.
 #[derive(Clone, Copy)]
-struct Curve<S> {
+pub(crate) struct Curve<S> {
     /// 1/ρ = g(v)/α0.
     level: S,
     /// ρ = α0/g(v).
-    rho: S,
+    pub(crate) rho: S,
     /// v ρ' over the unit of the square.
     steepness: S,
 }
@@ -89,7 +89,7 @@ struct Curve<S> {
 impl<S: Scalar> Curve<S> {
     /// Slope of |v| ρ, the bristle's slip over ζ.
     #[inline(always)]
-    fn slope(&self) -> S {
+    pub(crate) fn slope(&self) -> S {
         self.rho + self.steepness.per_square()
     }
 }
@@ -145,7 +145,7 @@ impl<S: Scalar> Friction<S> {
 
     /// The Stribeck curve 1/ρ = g(v)/α0 = 1 + β exp(−(v/v0)²), equation (3), and how it bends.
     #[inline(always)]
-    fn curve(&self, speed: S) -> Curve<S> {
+    pub(crate) fn curve(&self, speed: S) -> Curve<S> {
         let relative = speed.times(self.per_stribeck_velocity);
         let square = relative * relative;
         let (excess, level) = square.stribeck(self.beta);

@@ -8,13 +8,14 @@ use crate::angle::{Angle, Ratio};
 use crate::effect::{EffectParameters, EffectSet, Effects, MEMORIES, Memory};
 use crate::friction::{Bristle, Friction};
 use crate::gear::Spring;
+use crate::implicit::Implicit;
 use crate::motor::RotorKick;
 use crate::params::{self, Load, Motor, ParameterError, Stage};
 use crate::per_unit::{Bases, reflected_inertia};
 use crate::scalar::Scalar;
 
 pub use crate::motor::Drive;
-pub use crate::pace::{MAX_MICRO_STEPS, Pace, micro_steps};
+pub use crate::pace::{MAX_MICRO_STEPS, Method, Pace, Plan, micro_steps};
 
 /// How a joint is to be stepped.
 #[derive(Clone, Copy, Debug)]
@@ -23,8 +24,11 @@ pub struct Settings<'a> {
     pub drive: Drive,
     /// Length of a step, seconds.
     pub step_s: f64,
-    /// Micro-steps in a step; `None` takes what [`Pace::micro_steps`] finds.
+    /// Micro-steps in a step; `None` takes what [`Pace::plan`] finds for the method.
     pub micro_steps: Option<u32>,
+    /// How it is stepped; `None` takes what [`Pace::plan`] finds. Fixed point knows the splitting
+    /// alone.
+    pub method: Option<Method>,
     /// Effects beside the plain equations; used by joints with an [`EffectSet`].
     pub effects: &'a [EffectParameters],
 }
@@ -32,7 +36,7 @@ pub struct Settings<'a> {
 impl Settings<'_> {
     /// A step of this length, divided as the parameters ask, without effects.
     pub fn new(drive: Drive, step_s: f64) -> Self {
-        Self { drive, step_s, micro_steps: None, effects: &[] }
+        Self { drive, step_s, micro_steps: None, method: None, effects: &[] }
     }
 }
 
@@ -63,7 +67,9 @@ impl<S: Scalar> StageConstants<S> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = "E: crate::scalar::Wire"))]
 pub struct Joint<S: Scalar, const N: usize, E = ()> {
+    /// Micro-steps of the splitting; zero where the joint takes the implicit method.
     pub(crate) micro_steps: u32,
+    pub(crate) implicit: Implicit<S>,
     /// Deflection per speed over half a micro-step.
     pub(crate) half_drift: S::Gain,
     /// Turns per speed over half a micro-step.
@@ -201,8 +207,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         params::validate_drive(motor, settings.drive == Drive::Voltage, settings.step_s)?;
         let mut bases = Bases::of(motor, stages, settings.step_s);
         let pace = Pace::with(motor, stages, load, settings.effects);
-        let found = pace.micro_steps(settings.step_s);
-        let micro_steps = settings.micro_steps.unwrap_or(found).clamp(1, MAX_MICRO_STEPS);
+        let plan = pace.plan_for(settings, S::IMPLICIT);
+        let micro_steps = plan.micro_steps;
         let step = settings.step_s / f64::from(micro_steps);
         let half = step / 2.0;
         bases.half_step = half;
@@ -242,8 +248,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 shaft: Ratio::new(shaft),
             }
         });
+        let (taken, instead) = match plan.method {
+            Method::Splitting => (micro_steps, 0),
+            Method::Implicit => (0, micro_steps),
+        };
+        let implicit = (instead, step);
         Ok(Self {
-            micro_steps,
+            micro_steps: taken,
+            implicit: Implicit::new(motor, settings.drive, inertia(0), implicit, [torque, speed]),
             half_drift: S::gain(half * speed / angle),
             half_turn: S::gain(half * speed / core::f64::consts::TAU),
             whole_turn: Ratio::new(1.0),
@@ -282,7 +294,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// Micro-steps in a step.
     pub fn micro_steps(&self) -> u32 {
-        self.micro_steps
+        self.micro_steps.max(self.implicit.micro_steps)
+    }
+
+    /// How a step is computed.
+    pub fn method(&self) -> Method {
+        if self.micro_steps == 0 { Method::Implicit } else { Method::Splitting }
     }
 
     /// The joint at rest, relaxed, at angle zero.

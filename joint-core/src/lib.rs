@@ -55,6 +55,7 @@ pub mod effect;
 pub mod fixed;
 pub mod friction;
 pub mod gear;
+mod implicit;
 pub mod joint;
 pub mod motor;
 pub mod observer;

@@ -2,11 +2,12 @@
 //!
 //! A step costs the same whatever the data, so it is divided once, when the joint is built, for the
 //! worst that its parameters allow: the fastest vibration, the strongest damping, and the fastest
-//! growth of a slip that the falling Stribeck curve feeds. Effects count where they stiffen a joint or
+//! growth of a slip that the falling Stribeck curve feeds. What would have to be divided too often
+//! to be stable is stepped by the implicit method. Effects count where they stiffen a joint or
 //! raise a friction level; play does neither.
 
 use crate::effect::{EffectParameters, Kind, mass_at};
-use crate::joint::MIDDLE;
+use crate::joint::{MIDDLE, Settings};
 use crate::params::{Load, Location, Motor, Stage};
 use crate::per_unit::{Bases, reflected_inertia};
 
@@ -16,15 +17,40 @@ pub const MAX_MICRO_STEPS: u32 = 64;
 /// Turn of the fastest mode in a micro-step, rad, and growth of slip, as the logarithm of a speed,
 /// that each alone may fill a micro-step: together they may by the root of their squares. Found on
 /// random plants, where the error of those with as much of both is the largest.
-const PHASE: f64 = 0.45;
-const GROWTH: f64 = 4.0 / 3.0;
-/// Largest growth of slip in a micro-step, whatever the mode.
-const LARGEST_GROWTH: f64 = 1.0;
+const PHASE: f64 = 0.35;
+const GROWTH: f64 = 1.0;
 /// The same limits where a fit runs the model many times over and its own noise is larger.
 const COARSE_PHASE: f64 = 1.2;
 const COARSE_GROWTH: f64 = 0.75;
+/// Micro-steps beyond which a vibration is no more resolved than it takes to be stable, and the turn,
+/// rad, up to which the splitting is, with a margin to √12.
+const MOST_RESOLVED: f64 = 32.0;
+const STABLE_PHASE: f64 = 2.5;
+/// Fewest micro-steps of the implicit method, for a drive and for a fit, and the largest growth of
+/// slip in one.
+const LEAST_OF_IMPLICIT: f64 = 8.0;
+const COARSE_OF_IMPLICIT: f64 = 4.0;
+const IMPLICIT_GROWTH: f64 = 1.0;
 /// Steepest slope of exp(−x²).
 const STEEPEST: f64 = 0.857_763_884_960_706_8;
+
+/// How a joint is advanced over a micro-step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The fourth-order splitting: exact about vibrations that a micro-step resolves.
+    Splitting,
+    /// The L-stable implicit method: it damps away those that none does.
+    Implicit,
+}
+
+/// A method, and the micro-steps that it takes in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// The method.
+    pub method: Method,
+    /// Its micro-steps.
+    pub micro_steps: u32,
+}
 
 /// The rates that bound a micro-step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,27 +123,75 @@ impl Pace {
         pace
     }
 
-    /// Micro-steps that a step of `step_s` seconds is to be divided into: the fastest mode turns by
-    /// at most 0.45 rad in one, less where slip grows as well; slip grows by at most e; and no mass
-    /// loses more than half its speed to damping in the middle kick.
+    /// The method for a step of `step_s` seconds, and its micro-steps.
+    ///
+    /// The splitting, in micro-steps in which the fastest mode turns by at most 0.35 rad, less where
+    /// slip grows as well; slip grows by at most e; and no mass loses more than half its speed to
+    /// damping in the middle kick. Beyond 32 micro-steps the mode may turn by more, up to 2.5 rad.
+    /// Where that or damping asks for more than 32, the implicit method.
+    pub fn plan(&self, step_s: f64) -> Plan {
+        let stable = step_s * (self.mode_rad_per_s / STABLE_PHASE).max(self.damping_per_s * MIDDLE);
+        if stable > MOST_RESOLVED {
+            let micro_steps = self.implicit_micro_steps(step_s);
+            return Plan { method: Method::Implicit, micro_steps };
+        }
+        Plan { method: Method::Splitting, micro_steps: self.split_micro_steps(step_s) }
+    }
+
+    /// Micro-steps of the plan.
     pub fn micro_steps(&self, step_s: f64) -> u32 {
-        let both = libm::hypot(self.mode_rad_per_s / PHASE, self.growth_per_s / GROWTH);
-        self.whole(step_s * both.max(self.growth_per_s / LARGEST_GROWTH), step_s)
+        self.plan(step_s).micro_steps
     }
 
     /// The fewest that keep the vibrations' phase to 0.2 %, for a fit that runs a model many times
     /// over: at most 1.2 rad, and e^¾ of growth.
     pub fn coarse_micro_steps(&self, step_s: f64) -> u32 {
-        let by_mode = self.mode_rad_per_s / COARSE_PHASE;
-        let by_growth = self.growth_per_s / COARSE_GROWTH;
-        self.whole(step_s * by_mode.max(by_growth), step_s).min(self.micro_steps(step_s))
+        let plan = self.plan(step_s);
+        let growth = step_s * self.growth_per_s;
+        let wanted = match plan.method {
+            Method::Splitting => (step_s * self.mode_rad_per_s / COARSE_PHASE)
+                .max(growth / COARSE_GROWTH)
+                .max(step_s * self.damping_per_s * MIDDLE),
+            Method::Implicit => COARSE_OF_IMPLICIT.max(growth / IMPLICIT_GROWTH),
+        };
+        whole(wanted).min(plan.micro_steps)
     }
 
-    /// The next whole number, with what damping asks for.
-    fn whole(&self, wanted: f64, step_s: f64) -> u32 {
-        let wanted = libm::ceil(wanted.max(step_s * self.damping_per_s * MIDDLE));
-        wanted.clamp(1.0, f64::from(MAX_MICRO_STEPS)) as u32
+    /// Those of the splitting.
+    fn split_micro_steps(&self, step_s: f64) -> u32 {
+        let growth = self.growth_per_s / GROWTH;
+        let resolved = step_s * libm::hypot(self.mode_rad_per_s / PHASE, growth);
+        let stable = (self.mode_rad_per_s / STABLE_PHASE).max(self.damping_per_s * MIDDLE);
+        whole(resolved.min(MOST_RESOLVED).max(step_s * growth.max(stable)))
     }
+
+    /// Those of the implicit method: it has no use of a vibration too fast to be seen, but slip must
+    /// not grow faster than it can follow.
+    fn implicit_micro_steps(&self, step_s: f64) -> u32 {
+        whole((step_s * self.growth_per_s / IMPLICIT_GROWTH).max(LEAST_OF_IMPLICIT))
+    }
+
+    /// The plan with what settings ask for instead; `implicit` says whether the number format can be
+    /// stepped so.
+    pub(crate) fn plan_for(&self, settings: &Settings<'_>, implicit: bool) -> Plan {
+        let step = settings.step_s;
+        let method = if implicit {
+            settings.method.unwrap_or(self.plan(step).method)
+        } else {
+            Method::Splitting
+        };
+        let found = match method {
+            Method::Splitting => self.split_micro_steps(step),
+            Method::Implicit => self.implicit_micro_steps(step),
+        };
+        let micro_steps = settings.micro_steps.unwrap_or(found).clamp(1, MAX_MICRO_STEPS);
+        Plan { method, micro_steps }
+    }
+}
+
+/// The next whole number of micro-steps.
+fn whole(wanted: f64) -> u32 {
+    libm::ceil(wanted).clamp(1.0, f64::from(MAX_MICRO_STEPS)) as u32
 }
 
 /// How many micro-steps a step of `step_s` seconds needs without effects: [`Pace::micro_steps`].
@@ -218,6 +292,7 @@ pub(crate) fn deflection(stage: &Stage, torque: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::joint::Drive;
     use crate::params::Friction;
 
     const MOTOR: Motor = Motor {
@@ -275,6 +350,26 @@ mod tests {
         ] {
             assert!(pace(&[stiffer]).mode_rad_per_s > 1.2 * plain.mode_rad_per_s, "{stiffer:?}");
         }
+    }
+
+    #[test]
+    fn a_chain_too_stiff_to_be_divided_takes_the_implicit_method() {
+        let plain = pace(&[]);
+        assert_eq!(plain.plan(50e-6).method, Method::Splitting);
+        let of = |mode_rad_per_s| Pace { mode_rad_per_s, ..plain };
+        // Asks for more than it gets, and is stable.
+        let stiff = of(1.5e6).plan(50e-6);
+        assert_eq!(stiff, Plan { method: Method::Splitting, micro_steps: 32 });
+        let stiffer = of(1e8).plan(50e-6);
+        assert_eq!(stiffer, Plan { method: Method::Implicit, micro_steps: 8 });
+        assert_eq!(of(1e8).coarse_micro_steps(50e-6), 4);
+        let viscous = Pace { damping_per_s: 1e7, ..plain };
+        assert_eq!(viscous.plan(50e-6).method, Method::Implicit);
+        let asked =
+            Settings { method: Some(Method::Splitting), ..Settings::new(Drive::Voltage, 50e-6) };
+        assert_eq!(of(1e8).plan_for(&asked, true).micro_steps, MAX_MICRO_STEPS);
+        let plan = of(1e8).plan_for(&Settings::new(Drive::Voltage, 50e-6), false);
+        assert_eq!(plan.method, Method::Splitting);
     }
 
     #[test]

@@ -52,6 +52,9 @@ pub trait Scalar:
     const SIXTH: Self;
     /// Eleven twelfths.
     const ELEVEN_TWELFTHS: Self;
+    /// Whether stiff joints are stepped by the implicit method: not in fixed point, whose range the
+    /// matrix of a stiff joint leaves; it takes more micro-steps.
+    const IMPLICIT: bool = true;
     /// Whether the middle kick's damping follows a rising force: not in fixed point, which is held to 2 %
     /// and where products are dear.
     const RISES: bool = true;

@@ -72,6 +72,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for _ in 0..self.micro_steps {
             self.micro_step(state, input);
         }
+        if S::IMPLICIT && self.micro_steps == 0 {
+            self.step_implicitly(state, input);
+        }
     }
 
     /// A function of its own: inlined into the loop over micro-steps, its constants would all be
@@ -206,7 +209,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// What effects remember, over half a micro-step at constant speed and current.
     #[inline]
-    fn remember(&self, state: &mut State<S, N>) {
+    pub(crate) fn remember(&self, state: &mut State<S, N>) {
         let mut speeds = [S::ZERO; MOST_MASSES];
         let masses = core::iter::once(&state.rotor).chain(state.stages.iter().map(|s| &s.mass));
         for (speed, mass) in speeds.iter_mut().zip(masses) {
@@ -223,7 +226,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// One over the effects' factor on every friction level.
     #[inline(always)]
-    fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
+    pub(crate) fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
         let (mut rotor, mut levels) = (S::ONE, [S::ONE; N]);
         let mut wound = S::ZERO;
         let (speed, transmitted) = (state.rotor.speed, state.current);
@@ -260,7 +263,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// What a stage's spring feels.
     #[inline(always)]
-    fn felt(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
+    pub(crate) fn felt(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
         if self.effects.has_stages() {
             self.effects.stage(stage, deflection, input)
         } else {

@@ -47,4 +47,10 @@ fn the_curve_of_the_step_is_the_cheapest_of_its_accuracy() {
     // What host-harness/src/cross_check/pareto.rs draws error over cost with.
     assert!(number("explicit_rates").abs_diff(268) <= 10);
     assert!(stages[2].abs_diff(698) <= 30);
+    let [one, two] = ["implicit_1", "implicit_2"].map(number);
+    println!("{:<22} {:>12}", "step in f64", number("step_f64"));
+    println!("{:<22} {one:>12}", "implicit step");
+    println!("{:<22} {:>12}", "its further ones", two - one);
+    assert!(number("step_f64").abs_diff(53_434) <= 2000);
+    assert!(one.abs_diff(1879) <= 60 && (two - one).abs_diff(1708) <= 60);
 }

@@ -1,5 +1,6 @@
 //! `prices`: what the parts of a step cost, as KEY=value lines: the Stribeck curve by five methods with
-//! their errors, a plain joint of nought to four stages, each effect on a joint of two, and one
+//! their errors, a plain joint of nought to four stages, the step in f64 and
+//! by the implicit method, each effect on a joint of two, and one
 //! evaluation of the equations as an explicit method needs it.
 //!
 //! It runs on QEMU's netduinoplus2 with `-icount shift=0,sleep=off` alone. Instructions are the most
@@ -12,10 +13,11 @@
 mod on_board {
     use core::hint::black_box;
 
+    use firmware::assumed::{MOTOR, STAGES, friction, stage};
     use firmware::board::{self, InstructionCounter};
     use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind};
-    use joint_core::joint::{Drive, Joint, Settings};
-    use joint_core::params::{Friction, Load, Location, Motor, Stage};
+    use joint_core::joint::{Drive, Joint, Method, Settings};
+    use joint_core::params::{Load, Location, Stage};
     use joint_core::scalar::Scalar;
     use micromath::F32Ext;
     use semihosting::println;
@@ -85,38 +87,9 @@ mod on_board {
         table
     }
 
-    /// A 6 mm brushless micromotor.
-    const MOTOR: Motor = Motor {
-        phase_resistance_ohm: 4.55,
-        phase_inductance_h: 13e-6,
-        torque_constant_nm_per_a: 1.38e-3,
-        phase_back_emf_constant_v_s_per_rad: None,
-        pole_pairs: 1,
-        rotor_inertia_kg_m2: 9.5e-10,
-        friction: friction([0.05, 4e-7, 1e-9], [9e-6, 4e-6, 20.0]),
-    };
-    /// One stage of its planetary gear, with a light link.
-    const STAGE: Stage = Stage {
-        reduction: 8.0,
-        inertia_kg_m2: 1e-8,
-        stiffness_nm_per_rad: 1.0,
-        cubic_stiffness_nm_per_rad3: 0.0,
-        damping_nm_s_per_rad: 0.0,
-        worm_lead_angle_rad: 0.0,
-        worm_friction_coefficient: 0.0,
-        friction: friction([1.5, 6e-6, 2e-8], [8e-5, 4e-5, 0.6]),
-    };
-
-    const fn friction(sigma: [f64; 3], level: [f64; 3]) -> Friction {
-        Friction {
-            sigma0_nm_per_rad: sigma[0],
-            sigma1_nm_s_per_rad: sigma[1],
-            sigma2_nm_s_per_rad: sigma[2],
-            coulomb_nm: level[0],
-            stribeck_nm: level[1],
-            stribeck_velocity_rad_per_s: level[2],
-        }
-    }
+    /// A stage of its planetary gear, with a light link.
+    const STAGE: Stage =
+        stage(8.0, 1e-8, [1.0, 0.0], friction([1.5, 6e-6, 2e-8], [8e-5, 4e-5, 0.6]));
 
     type Sized = (Kind, Location, &'static [(&'static str, f64)]);
 
@@ -178,6 +151,9 @@ mod on_board {
         println!("stages_2={}", stages::<2>(&counter));
         println!("stages_3={}", stages::<3>(&counter));
         println!("stages_4={}", stages::<4>(&counter));
+        println!("step_f64={}", whole::<f64>(&counter, Method::Splitting, 1));
+        println!("implicit_1={}", whole::<f32>(&counter, Method::Implicit, 1));
+        println!("implicit_2={}", whole::<f32>(&counter, Method::Implicit, 2));
         println!("effects_none={}", effect(&counter, None));
         for sized in &EFFECTS {
             println!("effect_{}={}", sized.0.spec().kind, effect(&counter, Some(sized)));
@@ -221,6 +197,17 @@ mod on_board {
         joint.map_or(0, |joint| most(counter, &joint))
     }
 
+    /// A step of the assumed joint.
+    fn whole<S: Scalar>(counter: &InstructionCounter, method: Method, micro_steps: u32) -> u32 {
+        let asked = Settings {
+            method: Some(method),
+            micro_steps: Some(micro_steps),
+            ..Settings::new(Drive::Voltage, 50e-6)
+        };
+        Joint::<S, 2>::new(&MOTOR, &STAGES, &Load::default(), &asked)
+            .map_or(0, |joint| most(counter, &joint))
+    }
+
     fn effect(counter: &InstructionCounter, sized: Option<&Sized>) -> u32 {
         let effects = sized.map(|(kind, location, values)| {
             let bare = EffectParameters::new(*kind, *location);
@@ -234,14 +221,14 @@ mod on_board {
     }
 
     #[inline(never)]
-    fn most<const N: usize, E: Effects<f32>>(
+    fn most<S: Scalar, const N: usize, E: Effects<S>>(
         counter: &InstructionCounter,
-        joint: &Joint<f32, N, E>,
+        joint: &Joint<S, N, E>,
     ) -> u32 {
         let (mut state, mut most) = (joint.rest(), 0);
         for k in 0..400_u32 {
             let volts = [6.0, 0.0, -6.0, 0.5][(k / 50) as usize % 4];
-            let input = black_box(joint.input(volts, 0.001));
+            let input = black_box(joint.input(S::from_f64(volts), S::from_f64(0.001)));
             let ((), spent) = counter.measure(|| joint.step(&mut state, input));
             most = most.max(spent);
         }

@@ -6,6 +6,7 @@
 //! same grid for all, so what differs is the method alone.
 
 mod bound;
+mod chart;
 mod page;
 pub mod pareto;
 mod quantity;

@@ -4,16 +4,20 @@
 
 use std::fmt::Write;
 
+use super::chart::Chart;
 use super::{CrossCheck, Row};
 
-const WIDTH: f64 = 360.0;
-const HEIGHT: f64 = 250.0;
-const LEFT: f64 = 54.0;
-const RIGHT: f64 = 12.0;
-const TOP: f64 = 26.0;
-const BOTTOM: f64 = 36.0;
-/// Decades of relative error shown, as powers of ten.
-const DECADES: (i32, i32) = (-7, 0);
+/// Each panel: steps from 8 to 125 µs, decades of relative error.
+const CHART: Chart = Chart {
+    width: 360.0,
+    height: 250.0,
+    left: 54.0,
+    right: 12.0,
+    top: 26.0,
+    bottom: 36.0,
+    across: (0.903_09, 2.096_91),
+    up: (-7.0, 0.0),
+};
 const COLOURS: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555", "#a6761d"];
 
@@ -43,10 +47,11 @@ impl CrossCheck {
     }
 
     fn panel(&self, page: &mut String, state: &str, scenarios: &[&str]) {
+        let Chart { width, height, left, .. } = CHART;
         let _ = write!(
             page,
-            "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" width={WIDTH} height={HEIGHT}>\
-             <text x={LEFT} y=16 class=title>{state}</text>"
+            "<svg viewBox=\"0 0 {width} {height}\" width={width} height={height}>\
+             <text x={left} y=16 class=title>{state}</text>"
         );
         axes(page);
         let of = |scenario: &str, scalar: &str| -> Vec<&Row> {
@@ -61,7 +66,7 @@ impl CrossCheck {
         };
         for row in scenarios.first().map(|first| of(first, "f32")).unwrap_or_default() {
             if let Some(bound) = row.bound {
-                let (x, y) = (across(row.step_us), up(bound));
+                let (x, y) = (CHART.x(row.step_us), CHART.y(bound));
                 let (from, to) = (x - 16.0, x + 16.0);
                 let _ = write!(page, "<path d=\"M{from:.1} {y:.1}H{to:.1}\" class=bound />");
             }
@@ -76,11 +81,7 @@ impl CrossCheck {
 
 fn line(page: &mut String, rows: &[&Row], colour: &str, fill: &str) {
     let shown: Vec<_> = rows.iter().filter(|row| row.relative_rms > 0.0).collect();
-    let mut path = String::new();
-    for (k, row) in shown.iter().enumerate() {
-        let command = if k == 0 { 'M' } else { 'L' };
-        let _ = write!(path, "{command}{:.1} {:.1}", across(row.step_us), up(row.relative_rms));
-    }
+    let path = CHART.path(shown.iter().map(|row| (row.step_us, row.relative_rms)));
     let dash = if fill == "none" { " stroke-dasharray=\"2 3\"" } else { "" };
     let _ = write!(page, "<path d=\"{path}\" fill=none stroke=\"{colour}\"{dash} />");
     for row in shown {
@@ -88,8 +89,8 @@ fn line(page: &mut String, rows: &[&Row], colour: &str, fill: &str) {
             page,
             "<circle cx={:.1} cy={:.1} r=3 fill=\"{fill}\" stroke=\"{colour}\"><title>{}, {}, {} µs, \
              {} micro-steps: {:.4} %</title></circle>",
-            across(row.step_us),
-            up(row.relative_rms),
+            CHART.x(row.step_us),
+            CHART.y(row.relative_rms),
             row.scenario,
             row.scalar,
             row.step_us,
@@ -100,10 +101,11 @@ fn line(page: &mut String, rows: &[&Row], colour: &str, fill: &str) {
 }
 
 fn axes(page: &mut String) {
-    let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
-    for decade in DECADES.0..=DECADES.1 {
-        let y = up(10.0_f64.powi(decade));
-        let (label, per_cent) = (LEFT - 5.0, decade + 2);
+    let Chart { left, top, .. } = CHART;
+    let (right, bottom) = (CHART.end(), CHART.floor());
+    for decade in CHART.up.0 as i32..=CHART.up.1 as i32 {
+        let y = CHART.y(10.0_f64.powi(decade));
+        let (label, per_cent) = (left - 5.0, decade + 2);
         let text = if (-2..=2).contains(&per_cent) {
             format!("{} %", 10.0_f64.powi(per_cent))
         } else {
@@ -111,16 +113,16 @@ fn axes(page: &mut String) {
         };
         let _ = write!(
             page,
-            "<path d=\"M{LEFT} {y:.1}H{right}\" class=grid /><text x={label} y={:.1} \
+            "<path d=\"M{left} {y:.1}H{right}\" class=grid /><text x={label} y={:.1} \
              text-anchor=end>{text}</text>",
             y + 3.5
         );
     }
     for step in [10.0, 25.0, 50.0, 100.0] {
-        let x = across(step);
+        let x = CHART.x(step);
         let _ = write!(
             page,
-            "<path d=\"M{x:.1} {TOP}V{bottom}\" class=grid /><text x={x:.1} y={:.1} \
+            "<path d=\"M{x:.1} {top}V{bottom}\" class=grid /><text x={x:.1} y={:.1} \
              text-anchor=middle>{step}</text>",
             bottom + 14.0
         );
@@ -128,22 +130,9 @@ fn axes(page: &mut String) {
     let _ = write!(
         page,
         "<text x={:.1} y={:.1} text-anchor=middle>step, µs</text>",
-        0.5 * (LEFT + right),
-        HEIGHT - 6.0
+        0.5 * (left + right),
+        CHART.height - 6.0
     );
-}
-
-/// Place of a step on the axis from 8 to 125 µs.
-fn across(step_us: f64) -> f64 {
-    let share = (step_us / 8.0).ln() / (125.0_f64 / 8.0).ln();
-    LEFT + share * (WIDTH - LEFT - RIGHT)
-}
-
-/// Place of a relative error, kept inside the panel.
-fn up(error: f64) -> f64 {
-    let (low, high) = (f64::from(DECADES.0), f64::from(DECADES.1));
-    let share = (error.log10().clamp(low, high) - low) / (high - low);
-    HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM)
 }
 
 const HEAD: &str = "<!doctype html>

@@ -1,5 +1,5 @@
-//! Error over cost: the step in one to eight micro-steps, in f32 and fixed point, beside explicit
-//! methods.
+//! Error over cost: the step in one to eight micro-steps, in f32, f64 and fixed point, beside the
+//! implicit method and explicit ones.
 //!
 //! The error is the worst state's over every scenario at a control period of 50 µs. The cost is
 //! instructions of a Cortex-M4 in such a period for a joint of two stages, from what QEMU counts of one
@@ -8,9 +8,11 @@
 
 use std::fmt::Write;
 
+use joint_core::joint::Method as Stepping;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::chart::Chart;
 use super::{CrossCheckError, Quantity, REFERENCE_STEP_S};
 use crate::model::Model;
 use crate::plant::{self, Layout, ScalarKind, Snapshot};
@@ -19,10 +21,46 @@ use crate::scenario::Scenario;
 
 /// The control period, s.
 const PERIOD_S: f64 = 50e-6;
-/// Instructions of a micro-step in f32 and in fixed point without a floating-point unit, and of one
-/// evaluation of the equations in f32; two stages.
-pub const COUNTED: [u32; 3] = [698, 2439, 268];
+/// Instructions of one evaluation of the equations in f32, two stages.
+const EVALUATION: f64 = 268.0;
 const MICRO_STEPS: [u32; 6] = [1, 2, 3, 4, 6, 8];
+
+/// A way to compute the joint's own step.
+struct Way {
+    name: &'static str,
+    scalar: ScalarKind,
+    method: Stepping,
+    /// Instructions of a step in one micro-step, and of each further one; two stages.
+    counted: [f64; 2],
+}
+
+/// f64 as calls of the compiler's library, since a Cortex-M4F has no double precision.
+const WAYS: [Way; 4] = [
+    Way {
+        name: "step, f32",
+        scalar: ScalarKind::F32,
+        method: Stepping::Splitting,
+        counted: [698.0; 2],
+    },
+    Way {
+        name: "step, f64",
+        scalar: ScalarKind::F64,
+        method: Stepping::Splitting,
+        counted: [53_434.0; 2],
+    },
+    Way {
+        name: "step, fixed point",
+        scalar: ScalarKind::Fixed,
+        method: Stepping::Splitting,
+        counted: [2437.0; 2],
+    },
+    Way {
+        name: "implicit, f32",
+        scalar: ScalarKind::F32,
+        method: Stepping::Implicit,
+        counted: [1879.0, 1708.0],
+    },
+];
 /// Steps of the explicit methods, s.
 const EXPLICIT_STEPS_S: [f64; 5] = [0.05e-6, 0.1e-6, 0.25e-6, 0.5e-6, 1e-6];
 /// An explicit run this far off is none.
@@ -71,14 +109,14 @@ pub fn run(model: &Model, scenarios: &[Scenario]) -> Result<Vec<Point>, CrossChe
 
 /// Method, setting and instructions of every point, in the order of [`errors`].
 fn settings() -> Vec<(&'static str, String, f64)> {
-    let [float, fixed, rates] = COUNTED.map(f64::from);
     let mut all = Vec::new();
-    for (method, each) in [("step, f32", float), ("step, fixed point", fixed)] {
-        all.extend(MICRO_STEPS.map(|n| (method, n.to_string(), each * f64::from(n))));
+    for Way { name, counted: [first, further], .. } in &WAYS {
+        let spent = |n| first + further * f64::from(n - 1);
+        all.extend(MICRO_STEPS.map(|n| (*name, n.to_string(), spent(n))));
     }
     for (method, evaluations) in [("Bogacki–Shampine", 3.0), ("explicit Euler", 1.0)] {
         all.extend(EXPLICIT_STEPS_S.map(|step| {
-            (method, format!("{:.3} µs", 1e6 * step), rates * evaluations * PERIOD_S / step)
+            (method, format!("{:.3} µs", 1e6 * step), EVALUATION * evaluations * PERIOD_S / step)
         }));
     }
     all
@@ -99,9 +137,10 @@ fn errors(model: &Model, scenario: &Scenario) -> Result<Vec<f64>, CrossCheckErro
             .fold(0.0, |a: f64, b| if b.is_nan() { f64::INFINITY } else { a.max(b) })
     };
     let mut all = Vec::new();
-    for scalar in [ScalarKind::F32, ScalarKind::Fixed] {
+    for Way { scalar, method, .. } in &WAYS {
         for n in MICRO_STEPS {
-            let run = plant::simulate(model, &inputs, scalar, Some(PERIOD_S), Some(n))?;
+            let (method, step) = (Some(*method), Some(PERIOD_S));
+            let run = plant::simulate_by(method, model, &inputs, *scalar, step, Some(n))?;
             all.push(worst(&run));
         }
     }
@@ -135,24 +174,26 @@ fn errors(model: &Model, scenario: &Scenario) -> Result<Vec<f64>, CrossCheckErro
     Ok(all)
 }
 
-const WIDTH: f64 = 760.0;
-const HEIGHT: f64 = 460.0;
-const LEFT: f64 = 70.0;
-const RIGHT: f64 = 180.0;
-const TOP: f64 = 40.0;
-const BOTTOM: f64 = 50.0;
-/// Powers of ten shown, of instructions and of error.
-const ACROSS: (f64, f64) = (2.5, 6.2);
-const UP: (f64, f64) = (-5.0, -0.3);
-const COLOURS: [&str; 4] = ["#0072b2", "#009e73", "#555555", "#d55e00"];
+const CHART: Chart = Chart {
+    width: 760.0,
+    height: 460.0,
+    left: 70.0,
+    right: 180.0,
+    top: 40.0,
+    bottom: 50.0,
+    across: (2.5, 6.2),
+    up: (-5.0, -0.3),
+};
+const COLOURS: [&str; 6] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#555555", "#d55e00"];
 
 /// The plot.
 pub fn svg(points: &[Point]) -> String {
+    let Chart { width, height, left, top, .. } = CHART;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
          font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"#333\">\
          <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\
-         <text x=\"{LEFT}\" y=\"22\" font-size=\"15\">Worst state over all scenarios, over instructions \
+         <text x=\"{left}\" y=\"22\" font-size=\"15\">Worst state over all scenarios, over instructions \
          in 50 µs on a Cortex-M4</text>"
     );
     axes(&mut svg);
@@ -164,14 +205,10 @@ pub fn svg(points: &[Point]) -> String {
             ((|p: &Point| p.error) as fn(&Point) -> f64, "", *colour),
             (|p: &Point| p.error_but_worst, " stroke-dasharray=\"3 3\"", "#fff"),
         ] {
-            let mut path = String::new();
-            for (k, point) in own.iter().enumerate() {
-                let command = if k == 0 { 'M' } else { 'L' };
-                let _ = write!(path, "{command}{:.1} {:.1}", x(point.instructions), y(of(point)));
-            }
+            let path = CHART.path(own.iter().map(|point| (point.instructions, of(point))));
             let _ = write!(svg, "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\"{dash}/>");
             for point in &own {
-                let (x, y) = (x(point.instructions), y(of(point)));
+                let (x, y) = (CHART.x(point.instructions), CHART.y(of(point)));
                 let _ = write!(
                     svg,
                     "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{fill}\" stroke=\"{colour}\"/>"
@@ -179,17 +216,17 @@ pub fn svg(points: &[Point]) -> String {
             }
         }
         for point in &own {
-            let (x, y) = (x(point.instructions) + 6.0, y(point.error) - 6.0);
+            let (x, y) = (CHART.x(point.instructions) + 6.0, CHART.y(point.error) - 6.0);
             let _ = write!(
                 svg,
                 "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"10\">{}</text>",
                 point.setting
             );
         }
-        let (x, y) = (WIDTH - RIGHT + 14.0, TOP + 16.0 + 20.0 * k as f64);
+        let (x, y) = (CHART.end() + 14.0, top + 16.0 + 20.0 * k as f64);
         let _ = write!(svg, "<text x=\"{x}\" y=\"{y}\" fill=\"{colour}\">● {method}</text>");
     }
-    let (x, y) = (WIDTH - RIGHT + 14.0, TOP + 16.0 + 20.0 * methods.len() as f64);
+    let (x, y) = (CHART.end() + 14.0, top + 16.0 + 20.0 * methods.len() as f64);
     let _ = writeln!(
         svg,
         "<text x=\"{x}\" y=\"{y}\">○ without each point's</text><text x=\"{x}\" y=\"{}\">worst \
@@ -200,25 +237,26 @@ pub fn svg(points: &[Point]) -> String {
 }
 
 fn axes(svg: &mut String) {
-    let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
+    let Chart { left, top, .. } = CHART;
+    let (right, bottom) = (CHART.end(), CHART.floor());
     for (error, label) in
         [(1e-5, "0.001 %"), (1e-4, "0.01 %"), (1e-3, "0.1 %"), (1e-2, "1 %"), (1e-1, "10 %")]
     {
-        let (y, width) = (y(error), if error == 1e-2 { 2 } else { 1 });
+        let (y, width) = (CHART.y(error), if error == 1e-2 { 2 } else { 1 });
         let _ = write!(
             svg,
-            "<path d=\"M{LEFT} {y:.1}H{right}\" stroke=\"#ddd\" stroke-width=\"{width}\"/>\
+            "<path d=\"M{left} {y:.1}H{right}\" stroke=\"#ddd\" stroke-width=\"{width}\"/>\
              <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
-            LEFT - 6.0,
+            left - 6.0,
             y + 4.0
         );
     }
     for (instructions, label) in [(1e3, "1000"), (1e4, "10 000"), (1e5, "100 000"), (1e6, "10⁶")]
     {
-        let x = x(instructions);
+        let x = CHART.x(instructions);
         let _ = write!(
             svg,
-            "<path d=\"M{x:.1} {TOP}V{bottom}\" stroke=\"#ddd\"/>\
+            "<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"#ddd\"/>\
              <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
             bottom + 18.0
         );
@@ -226,17 +264,7 @@ fn axes(svg: &mut String) {
     let _ = write!(
         svg,
         "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">instructions</text>",
-        0.5 * (LEFT + right),
-        HEIGHT - 10.0
+        0.5 * (left + right),
+        CHART.height - 10.0
     );
-}
-
-fn x(instructions: f64) -> f64 {
-    let share = (instructions.log10() - ACROSS.0) / (ACROSS.1 - ACROSS.0);
-    LEFT + share * (WIDTH - LEFT - RIGHT)
-}
-
-fn y(error: f64) -> f64 {
-    let share = (error.log10().clamp(UP.0, UP.1) - UP.0) / (UP.1 - UP.0);
-    HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM)
 }

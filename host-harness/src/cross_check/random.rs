@@ -2,14 +2,15 @@
 //!
 //! Every parameter of the built-in joint is taken times or over up to three, with one to three
 //! stages, a random voltage and a random load; the step runs in f32 at 50 µs with the micro-steps
-//! that the rule finds. Where a plant fails, it is run again with twice and four times the
+//! and by the method that the rule finds. Stiff plants are the same with every spring up to a million
+//! times stiffer, where chains cannot be resolved any more. Where a plant fails, it is run again with twice and four times the
 //! micro-steps, which tells a step too long from a motion that no step follows for long, and its
 //! rates are told beside it.
 
 use std::f64::consts::TAU;
 use std::fmt;
 
-use joint_core::joint::{Drive, Pace};
+use joint_core::joint::{Drive, MAX_MICRO_STEPS, Method as Stepping, Pace};
 use joint_core::params::{Friction, Stage};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -34,6 +35,10 @@ const NUDGE: f64 = 1e-4;
 const FOLLOWABLE: f64 = 30.0;
 /// Largest factor on a parameter.
 const SPREAD: f64 = 3.0;
+/// Largest factor on the springs of a stiff plant.
+const STIFFER: f64 = 1e6;
+/// Draws these factors apart from the plant itself.
+const STIFF_SEED: u64 = 1 << 40;
 
 /// One plant and how far its worst state is off.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,12 +49,17 @@ pub struct Plant {
     pub stages: usize,
     /// Micro-steps that the rule picked.
     pub micro_steps: u32,
+    /// Whether it picked the implicit method.
+    pub implicit: bool,
     /// Largest relative RMS of a state with these.
     pub error: f64,
     /// The state.
     pub state: String,
     /// The same with twice and four times the micro-steps; only where it fails.
     pub refined: Option<[f64; 2]>,
+    /// The same by the splitting in as many micro-steps as a step can have; only where the rule picked
+    /// the implicit method.
+    pub split: Option<f64>,
     /// Relative change of the reference's worst state over a relative change of the drive.
     pub sensitivity: f64,
     /// Turn of the fastest mode in a micro-step, rad.
@@ -72,6 +82,11 @@ pub struct Random {
     pub within_refined: [f64; 2],
     /// Mean of the micro-steps.
     pub mean_micro_steps: f64,
+    /// Number of plants for which the rule picks the implicit method.
+    pub implicit: usize,
+    /// Share of them within 1 %, and the same by the splitting in as many micro-steps as a step can
+    /// have; null without such a plant.
+    pub within_implicit: Option<[f64; 2]>,
     /// The plants.
     pub plants: Vec<Plant>,
 }
@@ -81,9 +96,14 @@ impl Random {
     ///
     /// # Errors
     /// A joint cannot be built, or the reference fails.
-    pub fn run(number: u64, seed: u64, done: impl Fn() + Sync) -> Result<Self, CrossCheckError> {
+    pub fn run(
+        number: u64,
+        seed: u64,
+        stiff: bool,
+        done: impl Fn() + Sync,
+    ) -> Result<Self, CrossCheckError> {
         let plants = (seed..seed + number).into_par_iter().map(|seed| {
-            let plant = check(seed);
+            let plant = check(seed, stiff);
             done();
             plant
         });
@@ -94,6 +114,13 @@ impl Random {
         let refined = |which: usize| {
             share(&|plant| plant.refined.map_or(plant.error, |errors| errors[which]) <= PASSED)
         };
+        let implicit: Vec<f64> = plants.iter().filter_map(|plant| plant.split).collect();
+        let of_implicit = |passing: usize| passing as f64 / implicit.len() as f64;
+        let within_implicit = (!implicit.is_empty()).then(|| {
+            let own = plants.iter().filter(|plant| plant.implicit && plant.error <= PASSED);
+            let split = implicit.iter().filter(|error| **error <= PASSED);
+            [own.count(), split.count()].map(of_implicit)
+        });
         let follows = |plant: &Plant| plant.sensitivity < FOLLOWABLE;
         let followable = share(&follows);
         let steps: f64 = plants.iter().map(|plant| f64::from(plant.micro_steps)).sum();
@@ -103,35 +130,50 @@ impl Random {
             followable,
             within_refined: [refined(0), refined(1)],
             mean_micro_steps: steps / plants.len() as f64,
+            implicit: implicit.len(),
+            within_implicit,
             plants,
         })
     }
 }
 
-fn check(seed: u64) -> Result<Plant, CrossCheckError> {
-    let (model, inputs) = draw(seed);
-    let exact = refer(&model, &inputs)?;
+fn check(seed: u64, stiff: bool) -> Result<Plant, CrossCheckError> {
+    let (mut model, inputs) = draw(seed);
+    if stiff {
+        stiffen(&mut model, seed);
+    }
+    let refer =
+        |inputs: &Inputs| if stiff { refer_stiff(&model, inputs) } else { refer(&model, inputs) };
+    let exact = refer(&inputs)?;
     let mut nudged = inputs.clone();
     nudged.drive_values.iter_mut().for_each(|value| *value *= 1.0 + NUDGE);
-    let sensitivity = worst(&model, &exact, &refer(&model, &nudged)?).0 / NUDGE;
+    let sensitivity = worst(&model, &exact, &refer(&nudged)?).0 / NUDGE;
     let pace = Pace::of(&model.motor, &model.stages, &model.load);
-    let chosen = pace.micro_steps(STEP_S);
-    let run = |micro_steps| -> Result<(f64, Quantity), CrossCheckError> {
-        let scalar = ScalarKind::F32;
-        let run = plant::simulate(&model, &inputs, scalar, Some(STEP_S), Some(micro_steps))?;
+    let plan = pace.plan(STEP_S);
+    let chosen = plan.micro_steps;
+    let by = |method, micro_steps| -> Result<(f64, Quantity), CrossCheckError> {
+        let (scalar, step) = (ScalarKind::F32, Some(STEP_S));
+        let micro_steps = Some(micro_steps);
+        let run = plant::simulate_by(method, &model, &inputs, scalar, step, micro_steps)?;
         Ok(worst(&model, &exact, &run))
     };
+    let run = |micro_steps| by(None, micro_steps);
     let (error, state) = run(chosen)?;
     let refined =
         if error > PASSED { Some([run(2 * chosen)?.0, run(4 * chosen)?.0]) } else { None };
+    let implicit = plan.method == Stepping::Implicit;
+    let split =
+        if implicit { Some(by(Some(Stepping::Splitting), MAX_MICRO_STEPS)?.0) } else { None };
     let micro_step = STEP_S / f64::from(chosen);
     Ok(Plant {
         seed,
         stages: model.stages.len(),
         micro_steps: chosen,
+        implicit,
         error,
         state: state.to_string(),
         refined,
+        split,
         sensitivity,
         phase: pace.mode_rad_per_s * micro_step,
         growth: pace.growth_per_s * micro_step,
@@ -141,9 +183,21 @@ fn check(seed: u64) -> Result<Plant, CrossCheckError> {
 fn refer(model: &Model, inputs: &Inputs) -> Result<Vec<Snapshot>, CrossCheckError> {
     let run = |method| reference::simulate(model, inputs, &Options::of(method));
     // The share knows nothing of a spring that hardens.
-    run(Method::Scaled { share: 0.4 })
-        .or_else(|_| run(Method::Stiff { tolerance: 1e-8 }))
+    run(Method::Scaled { share: 0.4 }).or_else(|_| refer_stiff(model, inputs))
+}
+
+fn refer_stiff(model: &Model, inputs: &Inputs) -> Result<Vec<Snapshot>, CrossCheckError> {
+    reference::simulate(model, inputs, &Options::of(Method::Stiff { tolerance: 1e-8 }))
         .map_err(|error| CrossCheckError::Reference { scenario: "random", error })
+}
+
+/// Makes every spring stiffer, and none of them hardens.
+fn stiffen(model: &mut Model, seed: u64) {
+    let mut random = ChaCha8Rng::seed_from_u64(STIFF_SEED + seed);
+    for stage in &mut model.stages {
+        stage.stiffness_nm_per_rad *= STIFFER.powf(random.random_range(0.0..1.0));
+        stage.cubic_stiffness_nm_per_rad3 = 0.0;
+    }
 }
 
 fn worst(model: &Model, exact: &[Snapshot], run: &[Snapshot]) -> (f64, Quantity) {
@@ -262,6 +316,14 @@ impl fmt::Display for Random {
             per_cent(self.followable),
             per_cent(self.within_followable)
         )?;
+        if let Some([own, split]) = self.within_implicit.map(|shares| shares.map(per_cent)) {
+            writeln!(
+                f,
+                "the rule takes the implicit method for {}, {own} of them within 1 %; by the splitting \
+                 in {MAX_MICRO_STEPS} micro-steps {split}",
+                self.implicit
+            )?;
+        }
         let mut failed: Vec<_> = self.plants.iter().filter(|p| p.error > PASSED).collect();
         failed.sort_by(|a, b| b.error.total_cmp(&a.error));
         for plant in failed.iter().take(25) {
@@ -306,7 +368,15 @@ mod tests {
 
     #[test]
     fn most_random_plants_stay_within_one_per_cent() {
-        let random = Random::run(12, 1, || ()).unwrap();
+        let random = Random::run(12, 1, false, || ()).unwrap();
         assert!(random.within >= 0.5, "{random}");
+    }
+
+    #[test]
+    fn chains_too_stiff_to_be_divided_are_stepped_by_the_implicit_method() {
+        let random = Random::run(8, 3, true, || ()).unwrap();
+        let [own, split] = random.within_implicit.unwrap();
+        assert!(random.implicit >= 4 && own > 0.3 && own >= split, "{random}");
+        assert!(random.plants.iter().all(|plant| plant.error < 0.5), "{random}");
     }
 }

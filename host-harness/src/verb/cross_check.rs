@@ -15,7 +15,7 @@ use crate::scenario;
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint cross-check --out check
-  joint cross-check --random 500")]
+  joint cross-check --random 500 --stiff")]
 pub struct Args {
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
@@ -26,6 +26,9 @@ pub struct Args {
     /// Seed of the first random plant
     #[arg(long, value_name = "N", default_value_t = 1, requires = "random")]
     pub seed: u64,
+    /// Random plants with springs up to a million times stiffer
+    #[arg(long, requires = "random")]
+    pub stiff: bool,
 }
 
 /// Runs the verb.
@@ -37,7 +40,8 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let failed = |error: CrossCheckError| Failure::check(error.to_string());
     if let Some(number) = args.random {
         let bar = common.progress(number, "plants");
-        let random = Random::run(number.max(1), args.seed, || bar.inc(1)).map_err(failed)?;
+        let random =
+            Random::run(number.max(1), args.seed, args.stiff, || bar.inc(1)).map_err(failed)?;
         bar.finish_and_clear();
         if let Some(out) = out {
             let text = serde_json::to_string_pretty(&random)
