@@ -33,6 +33,10 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
+fn object(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
 fn joint(folder: &Path, arguments: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_joint"))
         .args(arguments.split_whitespace())
@@ -100,8 +104,6 @@ fn both_numbers_and_both_methods_agree() {
 #[test]
 fn with_json_standard_output_is_one_object_whether_it_went_well_or_not() {
     let folder = folder();
-    let object =
-        |output: &Output| -> serde_json::Value { serde_json::from_slice(&output.stdout).unwrap() };
     let done = object(&simulate(folder.path(), "--json"));
     assert_eq!(done, serde_json::json!({"out": "o.csv", "model": "m", "samples": 2000}));
     let refused = simulate(folder.path(), "--json");
@@ -225,4 +227,24 @@ fn an_interrupt_concludes_with_all_files_and_says_so() {
     for file in ["model.toml", "report.html", "residuals.csv"] {
         assert!(folder.path().join("found").join(file).exists(), "{file}");
     }
+}
+
+#[test]
+fn a_drawn_benchmark_counts_what_it_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    let score = "score --simulate 1 --from 2 --seed 5 --out scores --json";
+    let done = object(&joint(folder.path(), score));
+    let shares = &done["summary"]["shares"];
+    assert_eq!(done["cases"][0]["truth"], "adequate");
+    assert_eq!(done["cases"][0]["case"], "0002");
+    assert_eq!(shares["false_alarms"]["of"], 1);
+    assert!(shares.get("named_rightly").is_none(), "no effect was hidden: {shares}");
+    let kept: serde_json::Value = serde_json::from_str(
+        &std::fs::read_to_string(folder.path().join("scores/score.json")).unwrap(),
+    )
+    .unwrap();
+    assert_eq!(kept, done);
+    // An answer that is wrong is kept with its log.
+    let right = shares["false_alarms"]["count"] == 0;
+    assert_eq!(folder.path().join("scores/0002/log.csv").exists(), !right);
 }

@@ -454,7 +454,7 @@ fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) ->
         })
         .collect();
     all.extend(
-        found.contradictions.iter().map(|text| format!("fits, but is contradicted: {text}")),
+        found.contradictions.iter().map(|(_, text)| format!("fits, but is contradicted: {text}")),
     );
     if found.rounds.is_empty() {
         let best = found.scores.iter().map(|row| row.score).fold(0.0, f64::max);

@@ -22,9 +22,9 @@ const SPAN: usize = 5;
 const TAIL: f64 = 0.02;
 
 /// How a model's last effect contradicts a channel that was not fitted to; `None` where it does not.
-pub(super) fn contradiction(model: &Model, record: &Record) -> Option<String> {
+pub(super) fn contradiction(model: &Model, record: &Record) -> Option<(Kind, String)> {
     let effect = model.effects.last()?;
-    match effect.kind {
+    let against = match effect.kind {
         Kind::SupplySag => {
             let bus = record.bus_v.as_deref()?;
             let level = quantile(bus, 0.5)?;
@@ -57,7 +57,8 @@ pub(super) fn contradiction(model: &Model, record: &Record) -> Option<String> {
             })
         }
         _ => None,
-    }
+    };
+    Some((effect.kind, against?))
 }
 
 /// Current by sample, A: measured, imposed, or what voltage and speed leave for the resistance.
@@ -127,7 +128,7 @@ mod tests {
                 .with("source_resistance_ohm", 1.0)
                 .with("bus_voltage_v", 24.0),
         );
-        contradiction(&model, &Record::new(&log, None))
+        Some(contradiction(&model, &Record::new(&log, None))?.1)
     }
 
     #[test]
@@ -157,7 +158,7 @@ mod tests {
                     .with("time_constant_s", 20.0)
                     .with("reference_current_a", 2.0),
             );
-            contradiction(&model, &Record::new(&log, None))
+            Some(contradiction(&model, &Record::new(&log, None))?.1)
         };
         assert_eq!(heated(30.0), None);
         assert!(heated(2.0).unwrap().contains("99 K"), "{:?}", heated(2.0));

@@ -88,13 +88,11 @@ pub fn add_protected(
     let alone = fitted.into_par_iter().map(alone).collect::<Result<Vec<_>, BuildError>>()?;
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (name, score, stage) in alone {
-        let gain = match search.believes(&stage.fit.model, problem.record) {
-            true => cost(&base.fit) - cost(&stage.fit),
-            false => f64::NEG_INFINITY,
-        };
-        let refitted = Some(gain);
-        search.scores.push(ScoreRow { round, name: title(name), score, refitted });
-        tried.push((Contender { name, gain }, stage));
+        let gain = search
+            .believes(&stage.fit.model, problem.record)
+            .then(|| cost(&base.fit) - cost(&stage.fit));
+        search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
+        tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
     }
     tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
     let alone = tried.first().map_or(0.0, |(winner, _)| winner.gain.max(0.0));

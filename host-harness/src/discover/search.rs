@@ -99,8 +99,8 @@ pub struct Search {
     pub orders: Vec<f64>,
     /// What a score had to exceed, by round.
     pub chance: Vec<f64>,
-    /// How names that fit contradict channels that were not fitted to.
-    pub contradictions: Vec<String>,
+    /// Kinds that fit, but that a channel contradicts which is not fitted to, and how.
+    pub contradictions: Vec<(Kind, String)>,
     /// Kinds that are not on the list.
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
@@ -115,7 +115,7 @@ impl Search {
             return false;
         }
         let Some(against) = contradiction(model, record) else { return true };
-        if !self.contradictions.contains(&against) {
+        if !self.contradictions.iter().any(|(kind, _)| *kind == against.0) {
             self.contradictions.push(against);
         }
         false

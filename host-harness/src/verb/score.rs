@@ -13,13 +13,13 @@ use crate::discover::{discover, discover_without};
 use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
-use crate::score::blind::trial;
+use crate::score::blind::{Trial, trial};
 use crate::score::{Row, Summary, cases, files, row, table};
 
 /// Run discover over logs whose truth is known, and score it
 ///
 /// Writes `score.json`, and each case's verdict, model, report and residuals in a folder of its
-/// own. An interrupt scores the cases that are done.
+/// own; of drawn joints those that were answered wrongly, with log and nominal. An interrupt scores the cases that are done.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint score --set practice --out scores
@@ -54,7 +54,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     interrupt::watch();
     let rows = match (&args.set, args.simulate) {
         (Some(set), _) => of_set(set, args, &out, common)?,
-        (None, count) => drawn(args.seed, args.from..args.from + count.unwrap_or(0), common)?,
+        (None, count) => drawn(args.seed, args.from..args.from + count.unwrap_or(0), &out, common)?,
     };
     // An interrupted score is that of the cases before.
     let summary = Summary::of(&rows);
@@ -90,7 +90,12 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
 
 /// Each trial on one core, as many at once as there are cores: nothing is lost to waiting, and the
 /// seconds of a log are those of a core.
-fn drawn(seed: u64, numbers: Range<u64>, common: &Common) -> Result<Vec<Row>, Failure> {
+fn drawn(
+    seed: u64,
+    numbers: Range<u64>,
+    out: &OutDir,
+    common: &Common,
+) -> Result<Vec<Row>, Failure> {
     let bar = common.progress(numbers.end - numbers.start, "score");
     let next = AtomicU64::new(numbers.start);
     let worker = || -> Result<Vec<Row>, Failure> {
@@ -102,7 +107,7 @@ fn drawn(seed: u64, numbers: Range<u64>, common: &Common) -> Result<Vec<Row>, Fa
             if number >= numbers.end {
                 break;
             }
-            let row = pool.install(|| one(seed, number))?;
+            let row = pool.install(|| one(seed, number, out, common.force))?;
             if !interrupt::asked() {
                 bar.inc(1);
                 bar.set_message(row.case.clone());
@@ -126,12 +131,20 @@ fn drawn(seed: u64, numbers: Range<u64>, common: &Common) -> Result<Vec<Row>, Fa
     Ok(rows)
 }
 
-/// One trial of the benchmark.
-fn one(seed: u64, number: u64) -> Result<Row, Failure> {
-    let trial = trial(seed, number).map_err(|error| Failure::check(error.to_string()))?;
-    let withdrawn: Vec<_> = trial.withdrawn.into_iter().collect();
+/// One trial of the benchmark. What was answered wrongly is kept, to be looked into.
+fn one(seed: u64, number: u64, out: &OutDir, force: bool) -> Result<Row, Failure> {
+    let Trial { case, nominal, log, withdrawn } =
+        trial(seed, number).map_err(|error| Failure::check(error.to_string()))?;
+    let withdrawn: Vec<_> = withdrawn.into_iter().collect();
     let hidden = indicatif::ProgressBar::hidden();
-    let findings =
-        discover_without(&trial.nominal, &[trial.log], &withdrawn, &hidden).map_err(failure)?;
-    Ok(row(&trial.case, &findings.verdict))
+    let logs = [log];
+    let findings = discover_without(&nominal, &logs, &withdrawn, &hidden).map_err(failure)?;
+    let row = row(&case, &findings.verdict);
+    if !row.right && !interrupt::asked() {
+        let kept = out.folder(&case.case, force)?;
+        kept.write("nominal.toml", nominal.to_toml())?;
+        kept.write("log.csv", logs[0].to_csv())?;
+        write(&kept, &findings)?;
+    }
+    Ok(row)
 }
