@@ -22,9 +22,9 @@ const GROWTH: f64 = 1.0;
 /// The same limits where a fit runs the model many times over and its own noise is larger.
 const COARSE_PHASE: f64 = 1.2;
 const COARSE_GROWTH: f64 = 0.75;
-/// Micro-steps beyond which a vibration is no more resolved than it takes to be stable, and the turn,
-/// rad, up to which the splitting is, with a margin to √12.
-const MOST_RESOLVED: f64 = 32.0;
+/// Turn of the fastest mode, rad, up to which the splitting is stable, with a margin to √12, and the
+/// micro-steps beyond which that is too much to ask.
+const MOST_STABLE: f64 = 32.0;
 const STABLE_PHASE: f64 = 2.5;
 /// Fewest micro-steps of the implicit method, for a drive and for a fit, and the largest growth of
 /// slip in one.
@@ -127,11 +127,11 @@ impl Pace {
     ///
     /// The splitting, in micro-steps in which the fastest mode turns by at most 0.35 rad, less where
     /// slip grows as well; slip grows by at most e; and no mass loses more than half its speed to
-    /// damping in the middle kick. Beyond 32 micro-steps the mode may turn by more, up to 2.5 rad.
+    /// damping in the middle kick. Beyond 64 micro-steps the mode may turn by more, up to 2.5 rad.
     /// Where that or damping asks for more than 32, the implicit method.
     pub fn plan(&self, step_s: f64) -> Plan {
         let stable = step_s * (self.mode_rad_per_s / STABLE_PHASE).max(self.damping_per_s * MIDDLE);
-        if stable > MOST_RESOLVED {
+        if stable > MOST_STABLE {
             let micro_steps = self.implicit_micro_steps(step_s);
             return Plan { method: Method::Implicit, micro_steps };
         }
@@ -162,7 +162,7 @@ impl Pace {
         let growth = self.growth_per_s / GROWTH;
         let resolved = step_s * libm::hypot(self.mode_rad_per_s / PHASE, growth);
         let stable = (self.mode_rad_per_s / STABLE_PHASE).max(self.damping_per_s * MIDDLE);
-        whole(resolved.min(MOST_RESOLVED).max(step_s * growth.max(stable)))
+        whole(resolved.max(step_s * growth.max(stable)))
     }
 
     /// Those of the implicit method: it has no use of a vibration too fast to be seen, but slip must
@@ -357,9 +357,9 @@ mod tests {
         let plain = pace(&[]);
         assert_eq!(plain.plan(50e-6).method, Method::Splitting);
         let of = |mode_rad_per_s| Pace { mode_rad_per_s, ..plain };
-        // Asks for more than it gets, and is stable.
+        // Asks for more than there are, and is stable.
         let stiff = of(1.5e6).plan(50e-6);
-        assert_eq!(stiff, Plan { method: Method::Splitting, micro_steps: 32 });
+        assert_eq!(stiff, Plan { method: Method::Splitting, micro_steps: MAX_MICRO_STEPS });
         let stiffer = of(1e8).plan(50e-6);
         assert_eq!(stiffer, Plan { method: Method::Implicit, micro_steps: 8 });
         assert_eq!(of(1e8).coarse_micro_steps(50e-6), 4);
