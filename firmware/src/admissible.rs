@@ -7,6 +7,7 @@
 
 use core::fmt;
 
+use joint_core::joint::{IMPLICIT, MAX_MICRO_STEPS};
 use serde::Serialize;
 use serde::ser::{self, Serializer};
 
@@ -27,7 +28,8 @@ const LARGEST: f32 = 1e12;
 /// must be finite.
 const RULES: &[(&str, &str, Rule)] = &[
     // Of the splitting or of the implicit method: the other's are none.
-    ("", "micro_steps", Rule::Whole(0, joint_core::joint::MAX_MICRO_STEPS as u64)),
+    ("Joint", "micro_steps", Rule::Whole(if IMPLICIT { 0 } else { 1 }, MAX_MICRO_STEPS as u64)),
+    ("Implicit", "micro_steps", Rule::Whole(0, if IMPLICIT { MAX_MICRO_STEPS as u64 } else { 0 })),
     ("", "half_drift", Rule::Positive),
     ("", "half_turn", Rule::Positive),
     ("", "turns", Rule::Positive),
@@ -473,6 +475,8 @@ mod tests {
                 "Spring" => "spring",
                 "RotorKick" => "middle",
                 "Whiten" => "whiten",
+                "Implicit" => "implicit",
+                "Joint" => "joint",
                 _ => "",
             };
             let wrong = match rule {

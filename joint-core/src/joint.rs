@@ -15,7 +15,7 @@ use crate::per_unit::{Bases, reflected_inertia};
 use crate::scalar::Scalar;
 
 pub use crate::motor::Drive;
-pub use crate::pace::{MAX_MICRO_STEPS, Method, Pace, Plan, micro_steps};
+pub use crate::pace::{IMPLICIT, MAX_MICRO_STEPS, Method, Pace, Plan, micro_steps};
 
 /// How a joint is to be stepped.
 #[derive(Clone, Copy, Debug)]
@@ -207,7 +207,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         params::validate_drive(motor, settings.drive == Drive::Voltage, settings.step_s)?;
         let mut bases = Bases::of(motor, stages, settings.step_s);
         let pace = Pace::with(motor, stages, load, settings.effects);
-        let plan = pace.plan_for(settings, S::IMPLICIT);
+        let plan = pace.plan_for(settings, IMPLICIT && S::IMPLICIT);
         let micro_steps = plan.micro_steps;
         let step = settings.step_s / f64::from(micro_steps);
         let half = step / 2.0;

@@ -34,6 +34,9 @@ const IMPLICIT_GROWTH: f64 = 1.0;
 /// Steepest slope of exp(−x²).
 const STEEPEST: f64 = 0.857_763_884_960_706_8;
 
+/// Whether this build has the implicit method.
+pub const IMPLICIT: bool = cfg!(feature = "implicit");
+
 /// How a joint is advanced over a micro-step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {

@@ -10,7 +10,7 @@
 use crate::angle::Angle;
 use crate::effect::{Effects, Felt, Flow, Memory, Motion, Relaxation, Rubbing, Winding};
 use crate::friction::{Friction, Half, Turn};
-use crate::joint::{Input, Joint, Mass, StageState, State};
+use crate::joint::{IMPLICIT, Input, Joint, Mass, StageState, State};
 use crate::scalar::Scalar;
 
 /// Most masses that what effects remember may follow.
@@ -72,7 +72,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for _ in 0..self.micro_steps {
             self.micro_step(state, input);
         }
-        if S::IMPLICIT && self.micro_steps == 0 {
+        if IMPLICIT && S::IMPLICIT && self.micro_steps == 0 {
             self.step_implicitly(state, input);
         }
     }
