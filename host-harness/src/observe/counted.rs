@@ -11,7 +11,7 @@ use super::design::{Tuning, design};
 use super::judge::shown;
 use super::rating::Rating;
 use super::run::Seen;
-use super::twin::{Felt, Motion, Style};
+use super::twin::{Felt, twin};
 use crate::model::{Model, Sensor};
 use crate::plant::BuildError;
 use crate::scenario::paper;
@@ -21,10 +21,10 @@ pub const STEP_S: f64 = 50e-6;
 /// Samples of the log.
 pub const SAMPLES: usize = 3001;
 
-/// The paper's joint, with a drive's sensors read that often.
-pub fn model(step_s: f64) -> Model {
+/// The paper's joint, with a drive's sensors.
+pub fn model() -> Model {
     let sensor = Sensor {
-        sample_time_s: step_s,
+        sample_time_s: STEP_S,
         motor_encoder_counts_per_rev: 3000.0,
         output_encoder_counts_per_rev: 65536.0,
         current_noise_a: 1.5e-3,
@@ -41,7 +41,7 @@ fn rating(model: &Model) -> Rating {
 /// # Errors
 /// The model cannot be observed.
 pub fn observer<S: Scalar>() -> Result<Observer<S, 2>, BuildError> {
-    let model = model(STEP_S);
+    let model = model();
     let design = design::<2>(&model, Drive::Voltage, STEP_S, &rating(&model), &Tuning::default())?;
     let stages = [model.stages[0], model.stages[1]];
     let settings = Settings { micro_steps: Some(1), ..Settings::new(Drive::Voltage, STEP_S) };
@@ -55,19 +55,9 @@ pub fn observer<S: Scalar>() -> Result<Observer<S, 2>, BuildError> {
 /// # Errors
 /// The model cannot be built.
 pub fn log() -> Result<Vec<Seen>, BuildError> {
-    let model = model(STEP_S);
+    let model = model();
     let felt = Felt { drive: 0.005, torque: 1e-7 };
-    let motion = Motion {
-        truth: &model,
-        kind: Drive::Voltage,
-        step_s: STEP_S,
-        rating: &rating(&model),
-        felt,
-        style: Style::Creep,
-        samples: SAMPLES,
-        seed: 7,
-    };
-    let motion = motion.run()?;
+    let motion = twin(&model, Drive::Voltage, STEP_S, &rating(&model), &felt, SAMPLES, 7)?;
     let mut seen = shown(&model, Drive::Voltage, &motion, true, 7);
     for k in (900..1000).step_by(7) {
         seen[k].motor = f64::NAN;
