@@ -1,14 +1,14 @@
 //! The observer on joints whose truth is known: how good it is, and what it bears.
 
-use host_harness::model::{Model, Sensor};
+use host_harness::model::Model;
 use host_harness::observe::baseline::Baseline;
 use host_harness::observe::bench::simulated;
+use host_harness::observe::counted;
 use host_harness::observe::design::{Tuning, design};
 use host_harness::observe::judge::shown;
 use host_harness::observe::rating::Rating;
 use host_harness::observe::run::{Found, Seen, observer, run, run_fixed};
 use host_harness::observe::twin::{Felt, Twin, twin};
-use host_harness::scenario::paper;
 use joint_core::fixed::Fixed;
 use joint_core::joint::Drive;
 use joint_core::observer::Status;
@@ -19,13 +19,7 @@ const SAMPLES: usize = 6000;
 const LOAD_NM: f64 = 0.02;
 
 fn model() -> Model {
-    let sensor = Sensor {
-        sample_time_s: STEP_S,
-        motor_encoder_counts_per_rev: 3000.0,
-        output_encoder_counts_per_rev: 65536.0,
-        current_noise_a: 1.5e-3,
-    };
-    Model { sensor, ..paper() }
+    counted::model(STEP_S)
 }
 
 fn rating(model: &Model) -> Rating {

@@ -21,10 +21,10 @@ pub const STEP_S: f64 = 50e-6;
 /// Samples of the log.
 pub const SAMPLES: usize = 3001;
 
-/// The paper's joint, with a drive's sensors.
-pub fn model() -> Model {
+/// The paper's joint, with a drive's sensors read that often.
+pub fn model(step_s: f64) -> Model {
     let sensor = Sensor {
-        sample_time_s: STEP_S,
+        sample_time_s: step_s,
         motor_encoder_counts_per_rev: 3000.0,
         output_encoder_counts_per_rev: 65536.0,
         current_noise_a: 1.5e-3,
@@ -41,7 +41,7 @@ fn rating(model: &Model) -> Rating {
 /// # Errors
 /// The model cannot be observed.
 pub fn observer<S: Scalar>() -> Result<Observer<S, 2>, BuildError> {
-    let model = model();
+    let model = model(STEP_S);
     let design = design::<2>(&model, Drive::Voltage, STEP_S, &rating(&model), &Tuning::default())?;
     let stages = [model.stages[0], model.stages[1]];
     let settings = Settings { micro_steps: Some(1), ..Settings::new(Drive::Voltage, STEP_S) };
@@ -55,7 +55,7 @@ pub fn observer<S: Scalar>() -> Result<Observer<S, 2>, BuildError> {
 /// # Errors
 /// The model cannot be built.
 pub fn log() -> Result<Vec<Seen>, BuildError> {
-    let model = model();
+    let model = model(STEP_S);
     let felt = Felt { drive: 0.005, torque: 1e-7 };
     let motion = twin(&model, Drive::Voltage, STEP_S, &rating(&model), &felt, SAMPLES, 7)?;
     let mut seen = shown(&model, Drive::Voltage, &motion, true, 7);
