@@ -73,6 +73,10 @@ const RULES: &[(&str, &str, Rule)] = &[
     ("", "most_bias", Rule::NotNegative),
     ("", "most_ohm", Rule::NotNegative),
     ("", "most_flux", Rule::NotNegative),
+    ("", "most_level", Rule::NotNegative),
+    ("", "sudden", Rule::NotNegative),
+    ("", "missing", Rule::NotNegative),
+    ("", "braking", Rule::Between(0.0, 1.0)),
     ("", "winding", Rule::Between(0.0, 1.0)),
     ("", "most_current", Rule::Positive),
     ("", "most_drive", Rule::Positive),
@@ -349,7 +353,9 @@ impl ser::SerializeMap for Walk {
 mod tests {
     use joint_core::effect::{EffectParameters, Kind};
     use joint_core::joint::{Drive, Settings};
-    use joint_core::observer::{CHANNELS, Column, Design, Gains, Observer, Regime, SETS, Spread};
+    use joint_core::observer::{
+        CHANNELS, Column, Design, Gains, Level, Observer, Regime, SETS, Spread,
+    };
     use joint_core::params::{Friction, Load, Location, Motor, Stage};
     use serde_json::Value;
 
@@ -409,8 +415,13 @@ mod tests {
             most_flux: 0.1,
             ohm: 0.0,
             flux: 0.0,
+            level: Level::NONE,
+            sudden: 1e3,
+            push: 0.0,
+            sure: u16::MAX / 2,
             most_current_a: 10.0,
             spread: [Spread::filled(0.1); SETS],
+            turning: [0.0; 2],
         };
         let gains = Gains::new(&design, &motor, &[stage; 2], Drive::Voltage, 50e-6);
         Parameters { observer: Observer { joint, gains }, sensing: Sensing::default() }

@@ -22,6 +22,8 @@ use core::fmt;
 use joint_core::telemetry::frame::CRC32;
 use serde::{Serialize, de::DeserializeOwned};
 
+use crate::payload;
+
 /// Version of the table above and of the payload; raised whenever either changes.
 pub const VERSION: u16 = 2;
 /// The oldest version that is still understood.
@@ -230,23 +232,15 @@ impl<'a> Block<'a> {
         last(self.payload)
     }
 
-    /// Puts the first value of the payload into a place and gives what comes after it. What is large
-    /// is to stand on the stack no more often than it must.
+    /// Puts the first value of the payload into a place and gives what comes after it.
     ///
     /// # Errors
-    /// [`BlockError::Payload`] where it is not what `T` looks like.
-    #[inline(never)]
+    /// [`BlockError::Payload`] where it is not what `T` looks like; the place is then to be emptied.
     pub fn take_into<T: DeserializeOwned>(
         &self,
         place: &mut Option<T>,
     ) -> Result<&'a [u8], BlockError> {
-        match postcard::take_from_bytes(self.payload) {
-            Ok((value, rest)) => {
-                *place = Some(value);
-                Ok(rest)
-            }
-            Err(_) => Err(BlockError::Payload),
-        }
+        payload::take_into(self.payload, place).map_err(|_| BlockError::Payload)
     }
 }
 
@@ -255,8 +249,9 @@ impl<'a> Block<'a> {
 /// # Errors
 /// [`BlockError::Payload`] where they are not what `T` looks like.
 pub fn last<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, BlockError> {
-    match postcard::take_from_bytes(bytes) {
-        Ok((value, [])) => Ok(value),
+    let mut place = None;
+    match (payload::take_into(bytes, &mut place), place) {
+        (Ok([]), Some(value)) => Ok(value),
         _ => Err(BlockError::Payload),
     }
 }

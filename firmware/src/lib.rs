@@ -17,6 +17,7 @@ pub mod drill;
 pub mod link;
 pub mod observing;
 pub mod parameters;
+mod payload;
 pub mod replay;
 pub mod rtt;
 pub mod samples;

@@ -8,7 +8,7 @@ use host_harness::observe::design::{Tuning, design};
 use host_harness::observe::judge::shown;
 use host_harness::observe::rating::Rating;
 use host_harness::observe::run::{Found, Seen, observer, run, run_fixed};
-use host_harness::observe::twin::{Felt, Twin, twin};
+use host_harness::observe::twin::{Felt, Motion, Style, Twin};
 use joint_core::fixed::Fixed;
 use joint_core::joint::Drive;
 use joint_core::observer::Status;
@@ -27,8 +27,20 @@ fn rating(model: &Model) -> Rating {
 }
 
 fn motion(truth: &Model) -> Twin {
-    let felt = Felt { drive: 0.005, torque: 1e-7 };
-    twin(truth, Drive::Voltage, STEP_S, &rating(truth), &felt, SAMPLES, 11).unwrap()
+    made(truth, &rating(truth)).run().unwrap()
+}
+
+fn made<'a>(truth: &'a Model, rating: &'a Rating) -> Motion<'a> {
+    Motion {
+        truth,
+        kind: Drive::Voltage,
+        step_s: STEP_S,
+        rating,
+        felt: Felt { drive: 0.005, torque: 1e-7 },
+        style: Style::Creep,
+        samples: SAMPLES,
+        seed: 11,
+    }
 }
 
 fn found(model: &Model, seen: &[Seen]) -> Vec<Found<2>> {
@@ -263,5 +275,107 @@ fn fixed_point_finds_the_load_as_single_precision_does() {
         let apart =
             square(&mut a.iter().zip(&b).map(|(a, b)| a - b)) / square(&mut a.iter().copied());
         assert!(apart.sqrt() < 0.05, "friction is {} apart", apart.sqrt());
+    }
+}
+
+/// A bus that dips for a while, at several times of a motion: the drive puts out less than it is told.
+struct Dip {
+    share: f64,
+    samples: usize,
+}
+
+const DIPS: [usize; 3] = [3250, 4050, 4850];
+/// Samples that it may take to recover: 50 ms.
+const RECOVERY: usize = 500;
+
+impl Dip {
+    fn at(&self, k: usize) -> bool {
+        DIPS.iter().any(|&from| (from..from + self.samples).contains(&k))
+    }
+
+    /// Within the time that it may take to recover.
+    fn near(&self, k: usize) -> bool {
+        DIPS.iter().any(|&from| (from..from + self.samples + RECOVERY).contains(&k))
+    }
+
+    /// The motion under it, and what sensors show of it to a drive that does not measure its bus.
+    fn of(&self, model: &Model, output: bool) -> (Twin, Vec<Seen>) {
+        let clean = motion(model);
+        let put_out =
+            |(k, drive): (usize, &f64)| drive * if self.at(k) { 1.0 - self.share } else { 1.0 };
+        let drive = clean.drive.iter().enumerate().map(put_out).collect();
+        let rating = rating(model);
+        let motion = made(model, &rating).under(drive, clean.load).unwrap();
+        let mut seen = shown(model, Drive::Voltage, &motion, output, 1);
+        seen.iter_mut().zip(&clean.drive).for_each(|(seen, told)| seen.drive = *told);
+        (motion, seen)
+    }
+}
+
+/// RMS error of the load where `when` says so, share of its rating.
+fn error_when(found: &[Found<2>], motion: &Twin, when: impl Fn(usize) -> bool) -> f64 {
+    let rows = found.iter().zip(&motion.load).enumerate().skip(600).filter(|(k, _)| when(*k));
+    let errors: Vec<f64> = rows.map(|(_, (f, load))| (f.estimate.load - load).powi(2)).collect();
+    (errors.iter().sum::<f64>() / errors.len() as f64).sqrt() / LOAD_NM
+}
+
+#[test]
+fn a_bus_that_dips_unknown_to_the_observer_is_flagged_and_nothing_slow_is_learned_of_it() {
+    let model = model();
+    let design =
+        design::<2>(&model, Drive::Voltage, STEP_S, &rating(&model), &Tuning::default()).unwrap();
+    let single = observer::<f32, 2>(&model, Drive::Voltage, STEP_S, &design).unwrap();
+    let fixed = observer::<Fixed, 2>(&model, Drive::Voltage, STEP_S, &design).unwrap();
+    let bases = Bases::of(&model.motor, &model.stages, STEP_S);
+    for (share, samples) in [(0.3, 50), (0.3, 200), (0.5, 50), (0.5, 200)] {
+        let dip = Dip { share, samples };
+        for output in [false, true] {
+            let (motion, unmeasured) = dip.of(&model, output);
+            let mut measured = unmeasured.clone();
+            measured.iter_mut().zip(&motion.drive).for_each(|(seen, drive)| seen.drive = *drive);
+            type Run<'a> = (&'a str, &'a dyn Fn(&[Seen]) -> Vec<Found<2>>);
+            let runs: [Run<'_>; 2] = [
+                ("f32", &|seen| run(&single, seen, &[])),
+                ("fixed", &|seen| run_fixed(&fixed, &bases, seen, &[])),
+            ];
+            for (scalar, run) in runs {
+                let name = format!("{scalar}, {share} for {samples}, output {output}");
+                let (right, found) = (run(&measured), run(&unmeasured));
+                let bad = |f: &Found<2>| f.estimate.status.has(Status::MISMATCH);
+                assert!(!right.iter().any(bad), "{name}: a dip that is measured is none");
+                for from in DIPS {
+                    // Where hardly any voltage is put out there is none to miss.
+                    let told = unmeasured[from..from + samples].iter().map(|s| s.drive.abs());
+                    if told.fold(0.0, f64::max) > 1.0 {
+                        let flagged = found[from..from + samples].iter().any(bad);
+                        assert!(flagged, "{name}: no mismatch at {from}");
+                    }
+                    let after = found[from + samples + RECOVERY].estimate.status;
+                    assert!(!after.has(Status::MISMATCH), "{name}: {after} 50 ms after {from}");
+                }
+                let near = |k: usize| dip.near(k);
+                let [during, right_during] =
+                    [&found, &right].map(|found| error_when(found, &motion, near));
+                let [after, right_after] =
+                    [&found, &right].map(|found| error_when(found, &motion, |k| !near(k)));
+                let e = &found[SAMPLES - 1].estimate;
+                println!(
+                    "{name}: load {during:.4} ({right_during:.4}) about it, {after:.4} \
+                     ({right_after:.4}) apart; R {:+.4}, flux {:+.4}, friction {:+.4}",
+                    e.resistance, e.flux, e.friction
+                );
+                assert!(during < 0.25, "{name}: load {during} about a dip");
+                assert!(after < 1.1 * right_after, "{name}: load {after} apart from dips");
+                let kept = &right[SAMPLES - 1].estimate;
+                for (slow, kept, most) in [
+                    (e.resistance, kept.resistance, 0.005),
+                    (e.flux, kept.flux, 0.003),
+                    (e.friction, kept.friction, 0.03),
+                ] {
+                    assert!((slow - kept).abs() < most, "{name}: {slow} where {kept} is kept");
+                }
+                bounded_and_back(&name, &found, &motion, 600, 0.25);
+            }
+        }
     }
 }

@@ -285,6 +285,12 @@ impl<S: Scalar> Friction<S> {
             + (mass.damping - self.sigma1 * (S::ONE - slipping)) * mass.speed
     }
 
+    /// How much of the Coulomb level is bending instead of slipping, as where a speed turns round; not
+    /// for the step.
+    pub(crate) fn turning(&self, mass: &Mass<S>) -> S {
+        (S::ONE - mass.bristle.slipping).abs() * self.level
+    }
+
     /// Damping σ1 ∂ż/∂v + σ2, the torque per speed beside the bristle torque.
     #[inline(always)]
     pub(crate) fn damping(&self, bristle: &Bristle<S>) -> S {

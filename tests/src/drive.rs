@@ -7,7 +7,7 @@ use firmware::parameters::{DriveJoint, Parameters, Sensing};
 use firmware::session::Session;
 use joint_core::effect::EffectSet;
 use joint_core::joint::{Drive, Joint, Settings};
-use joint_core::observer::{Column, Design, Gains, Observer, Regime, SETS, Spread};
+use joint_core::observer::{Column, Design, Gains, Level, Observer, Regime, SETS, Spread};
 use joint_core::params::{Friction, Load, Motor, Stage};
 use joint_core::telemetry::frame::{self, Frame, Reader};
 use joint_core::telemetry::{Command, Message, Sample, Status};
@@ -91,8 +91,13 @@ fn design() -> Design<2> {
         most_flux: 0.1,
         ohm: 0.0,
         flux: 0.0,
+        level: Level::NONE,
+        sudden: 1e3,
+        push: 0.0,
+        sure: u16::MAX / 2,
         most_current_a: 2.0,
         spread: [Spread::filled(0.1); SETS],
+        turning: [0.0; 2],
     }
 }
 

@@ -48,7 +48,7 @@ fn head(text: &mut String, model: &Model, options: &DriveOptions) -> fmt::Result
         "//! The joint `{name}`, written by `joint export --format rust`: a control period of {} µs\n\
          //! with the {input} as input. It needs joint-core and nothing else. Do not edit.\n\n\
          {effects}use joint_core::joint::{{Drive, Joint, Settings}};\n\
-         use joint_core::observer::{{Column, Design, Gains, Observer, Spread{row}}};\n\
+         use joint_core::observer::{{Column, Design, Gains, Level, Observer, Spread{row}}};\n\
          use joint_core::params::{{Friction, Load, {location}Motor, ParameterError, Stage}};\n\n",
         (options.period_s * 1e9).round() / 1e3,
     )?;

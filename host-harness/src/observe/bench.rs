@@ -16,7 +16,7 @@ use super::over::Samples;
 use super::rating::Rating;
 use super::score::{Guess, Judged, Score};
 use super::truth::frictions;
-use super::twin::{Felt, Style, Twin, moved};
+use super::twin::{Felt, Motion, Style, Twin};
 use crate::demo::actuator;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, ScalarKind, by_stages};
@@ -141,7 +141,10 @@ pub fn judge(
     let (kind, step_s) = (samples.kind, samples.step_s);
     let output = samples.seen.iter().any(|seen| seen.output.is_finite());
     let felt = Felt { drive: 1e-3 * rating.drive, torque: 0.01 * breakaway_nm(model) };
-    let trial = moved(model, kind, step_s, rating, &felt, style.samples(), 77, style)?;
+    let (samples_of, seed) = (style.samples(), 77);
+    let trial =
+        Motion { truth: model, kind, step_s, rating, felt, style, samples: samples_of, seed };
+    let trial = trial.run()?;
     let trial_seen = shown(model, kind, &trial, output, 78);
     let trial_truth = truths(model, &trial);
     let baselines = Baseline::ALL
@@ -227,8 +230,17 @@ impl Drawn {
         let size = random.random_range(0.5..1.5);
         let felt =
             Felt { drive: 1e-3 * size * rating.drive, torque: 0.01 * size * breakaway_nm(&truth) };
-        let motion =
-            moved(&truth, Drive::Voltage, step_s, &rating, &felt, style.samples(), seed, style)?;
+        let motion = Motion {
+            truth: &truth,
+            kind: Drive::Voltage,
+            step_s,
+            rating: &rating,
+            felt,
+            style,
+            samples: style.samples(),
+            seed,
+        };
+        let motion = motion.run()?;
         Ok(Self { name, truth, error, rating, style, motion, seed })
     }
 

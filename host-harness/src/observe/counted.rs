@@ -11,7 +11,7 @@ use super::design::{Tuning, design};
 use super::judge::shown;
 use super::rating::Rating;
 use super::run::Seen;
-use super::twin::{Felt, twin};
+use super::twin::{Felt, Motion, Style};
 use crate::model::{Model, Sensor};
 use crate::plant::BuildError;
 use crate::scenario::paper;
@@ -57,7 +57,17 @@ pub fn observer<S: Scalar>() -> Result<Observer<S, 2>, BuildError> {
 pub fn log() -> Result<Vec<Seen>, BuildError> {
     let model = model(STEP_S);
     let felt = Felt { drive: 0.005, torque: 1e-7 };
-    let motion = twin(&model, Drive::Voltage, STEP_S, &rating(&model), &felt, SAMPLES, 7)?;
+    let motion = Motion {
+        truth: &model,
+        kind: Drive::Voltage,
+        step_s: STEP_S,
+        rating: &rating(&model),
+        felt,
+        style: Style::Creep,
+        samples: SAMPLES,
+        seed: 7,
+    };
+    let motion = motion.run()?;
     let mut seen = shown(&model, Drive::Voltage, &motion, true, 7);
     for k in (900..1000).step_by(7) {
         seen[k].motor = f64::NAN;

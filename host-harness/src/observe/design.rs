@@ -1,16 +1,16 @@
 //! From a model to the constants of its observer.
 
 use joint_core::joint::Drive;
-use joint_core::observer::{CHANNELS, Column, Design, Regime, SETS, Spread, StageRow};
+use joint_core::observer::{CHANNELS, Column, Design, Level, Regime, SETS, Spread, StageRow};
 use joint_core::per_unit::Bases;
 use nalgebra::DMatrix;
 
-use super::linear::{Linear, Order, linearise};
+use super::linear::{Linear, Order, brakes, linearise};
 use super::rating::Rating;
 use super::riccati::{Median, Uncertain, medians};
-use super::twin::{Felt, twin};
+use super::twin::{Felt, Motion, Style};
 use crate::model::Model;
-use crate::plant::{BuildError, Layout};
+use crate::plant::{BuildError, Layout, inertias};
 
 /// Samples of the motion that gains are designed along.
 const SAMPLES: usize = 6000;
@@ -30,6 +30,14 @@ pub struct Tuning {
     pub ohm: f64,
     /// Walk of the flux as a share of it per root second.
     pub flux: f64,
+    /// Walk of friction's level as a share of it per root second, without and with an output encoder.
+    pub level: [f64; 2],
+    /// Time constant of friction's running mean, s, without and with an output encoder.
+    pub braking_s: [f64; 2],
+    /// Standard deviations of an innovation that count for friction's level.
+    pub level_lean: f64,
+    /// Standard deviations that a current may be off before another voltage is taken to be put out.
+    pub sudden: f64,
     /// Noise on the drive as a share of the rated one.
     pub drive: f64,
     /// Noise on the rotor as a share of the breakaway torque.
@@ -59,6 +67,10 @@ impl Default for Tuning {
             bias: 0.001,
             ohm: 0.04,
             flux: 0.002,
+            level: [0.002, 0.02],
+            braking_s: [0.0015, 0.2],
+            level_lean: 1.0,
+            sudden: 8.0,
             drive: 1e-3,
             torque: 0.012,
             bristle: 4.0,
@@ -66,7 +78,7 @@ impl Default for Tuning {
             alarm: 2.8,
             hold_s: 0.001,
             often_s: 0.012,
-            often: 0.2,
+            often: 0.22,
             lively_s: 0.087,
         }
     }
@@ -108,7 +120,9 @@ pub fn design<const N: usize>(
     tuning: &Tuning,
 ) -> Result<Design<N>, BuildError> {
     let mut design = gains(model, kind, step_s, rating, tuning)?;
-    design.spread = super::judge::spread(model, kind, step_s, rating, &design)?;
+    let off = super::judge::Wrong::default();
+    (design.spread, design.turning) =
+        super::judge::spread(model, kind, step_s, rating, &design, &off)?;
     Ok(design)
 }
 
@@ -126,7 +140,17 @@ pub fn gains<const N: usize>(
     let felt =
         Felt { drive: tuning.drive * rating.drive, torque: tuning.torque * breakaway_nm(model) };
     let sigma = sensors(model);
-    let motion = twin(model, kind, step_s, rating, &felt, SAMPLES, 1)?;
+    let motion = Motion {
+        truth: model,
+        kind,
+        step_s,
+        rating,
+        felt,
+        style: Style::Creep,
+        samples: SAMPLES,
+        seed: 1,
+    };
+    let motion = motion.run()?;
     let linear = linearise(model, kind, step_s, &motion, &sigma)?;
     Ok(assemble(model, kind, step_s, rating, tuning, &linear))
 }
@@ -140,6 +164,7 @@ fn assemble<const N: usize>(
     linear: &Linear,
 ) -> Design<N> {
     let root = step_s.sqrt();
+    let braking = tuning.braking_s.map(|time_s| 1.0 - (-step_s / time_s).exp());
     let all = sensors(model);
     let held = settled(&linear.held, 3);
     let free: Vec<bool> = settled(&linear.held.iter().map(|h| !h).collect::<Vec<_>>(), 3);
@@ -157,12 +182,15 @@ fn assemble<const N: usize>(
         bias: tuning.bias * rating.drive * root,
         ohm: tuning.ohm * root,
         flux: tuning.flux * root,
+        level: tuning.level[usize::from(output)] * root,
+        braking: braking[usize::from(output)],
         bristle: tuning.bristle * root,
     };
     let mut sets = [[Column::filled(0.0); CHANNELS]; SETS];
     let mut sigma = [1.0; CHANNELS];
     let mut scale = [0.0; 2];
     let mut lean = [[0.0; CHANNELS]; 2];
+    let mut levels = [[0.0; CHANNELS]; 2];
     for output in [false, true] {
         if output && !all[2].is_finite() {
             for regime in [Regime::Steady, Regime::Alert, Regime::Lively, Regime::Held] {
@@ -171,6 +199,7 @@ fn assemble<const N: usize>(
                 }
             }
             lean[1] = lean[0];
+            levels[1] = levels[0];
             continue;
         }
         let both = |mask: &[bool], bent: bool| -> Vec<bool> {
@@ -212,6 +241,7 @@ fn assemble<const N: usize>(
                 sets[regime.row(output, bent)] = columns(linear.order, &median, &sigma);
             }
         }
+        levels[usize::from(output)] = steady.level;
         let leans = sets[Regime::Steady.row(output, false)].each_ref().map(|column| column.load);
         let size = leans.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300);
         lean[usize::from(output)] = leans.map(|v| v / size);
@@ -222,6 +252,10 @@ fn assemble<const N: usize>(
         sets,
         ohm: scale[0] * sigma[0],
         flux: scale[1] * sigma[0],
+        level: level(model, step_s, tuning, braking, &levels, &sigma),
+        sudden: tuning.sudden,
+        push: model.motor.torque_constant_nm_per_a * step_s / inertias(model)[0],
+        sure: (0.25 / step_s).min(30_000.0) as u16,
         bent: super::linear::bend(model),
         sigma,
         gate: 40.0,
@@ -235,11 +269,12 @@ fn assemble<const N: usize>(
         settled,
         strange: 12.0,
         most_load_nm: 4.0 * rating.load_nm,
-        most_bias: 0.5 * rating.drive,
+        most_bias: 0.6 * rating.drive,
         most_ohm: 0.5,
         most_flux: 0.1,
         most_current_a: rating.current_a,
         spread: [Spread::filled(0.0); SETS],
+        turning: [0.0; 2],
     }
 }
 
@@ -265,6 +300,29 @@ fn columns<const N: usize>(
             bias: at(order.bias()),
         }
     })
+}
+
+fn level<const N: usize>(
+    model: &Model,
+    step_s: f64,
+    tuning: &Tuning,
+    follow: [f64; 2],
+    found: &[[f64; CHANNELS]; 2],
+    sigma: &[f64; CHANNELS],
+) -> Level<N> {
+    let brakes = brakes(model, step_s);
+    let angles = found.map(|[_, motor, output]| [motor * sigma[1], output * sigma[2]]);
+    let size = angles.map(|[motor, output]| motor.hypot(output));
+    let unit = |k: usize| angles[k].map(|v| if size[k] > 0.0 { v / size[k] } else { 0.0 });
+    Level {
+        rotor: brakes[0],
+        stages: std::array::from_fn(|k| brakes[k + 1]),
+        follow,
+        lean: [unit(0), unit(1)],
+        gain: size,
+        most_lean: tuning.level_lean,
+        most: 0.3,
+    }
 }
 
 /// Where something has been so for that many samples.

@@ -16,18 +16,21 @@ use rand_distr::{Distribution, StandardNormal};
 use super::design::{breakaway_nm, sensors};
 use super::rating::Rating;
 use super::run::{Seen, observer, run};
-use super::twin::{Felt, Twin, twin};
+use super::twin::{Felt, Motion, Style, Twin};
 use crate::model::Model;
 use crate::plant::{BuildError, Layout};
 
 /// Joints that are tried.
-const JOINTS: u64 = 3;
+const JOINTS: u64 = 4;
 /// Samples of each.
 const SAMPLES: usize = 5000;
 /// Samples at the start that do not count.
 const START: usize = 400;
 /// Errors from which a row's deviation is taken; with fewer it takes that of all rows.
 const ENOUGH: usize = 60;
+
+/// Share of the joint's friction from which on its bristles turn round.
+const TURNING: f64 = 0.05;
 
 /// What a refit leaves: one sigma of the parameters' errors, relative.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +45,7 @@ pub struct Wrong {
 
 impl Default for Wrong {
     fn default() -> Self {
-        Self { motor: 2e-4, chain: 1e-3, friction: 4e-3 }
+        Self { motor: 4e-4, chain: 1e-3, friction: 7e-3 }
     }
 }
 
@@ -106,7 +109,8 @@ pub fn shown(model: &Model, kind: Drive, motion: &Twin, output: bool, seed: u64)
 /// Errors of one quantity by row.
 type Errors = [Vec<f64>; SETS];
 
-/// The standard deviations of a design.
+/// The standard deviations of a design on joints that are `wrong` so: by row, and how much more of
+/// friction there is where bristles turn round.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -116,20 +120,35 @@ pub fn spread<const N: usize>(
     step_s: f64,
     rating: &Rating,
     design: &Design<N>,
-) -> Result<[Spread<f64, N>; SETS], BuildError> {
-    let observer = observer::<f64, N>(model, kind, step_s, design)?;
+    wrong: &Wrong,
+) -> Result<([Spread<f64, N>; SETS], [f64; 2]), BuildError> {
+    // Read without a deviation of its own, friction's is what of it turns round.
+    let bare = Design { turning: [1.0; 2], ..design.clone() };
+    let observer = observer::<f64, N>(model, kind, step_s, &bare)?;
     let layout = Layout::of(model);
     let bases = Bases::si(&model.motor, &model.stages);
     let shaft = bases.shaft(N);
     let mut errors: Vec<Errors> = (0..5 + N).map(|_| Default::default()).collect();
+    let mut turns: [Vec<[f64; 2]>; 2] = Default::default();
+    let level = breakaway_nm(model);
     let has_output = sensors(model)[2].is_finite();
     for seed in 0..JOINTS {
-        let truth = near(model, &Wrong::default(), 100 + seed);
+        let truth = near(model, wrong, 100 + seed);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let size = random.random_range(0.5..1.5);
-        let felt =
-            Felt { drive: 1e-3 * size * rating.drive, torque: 0.01 * size * breakaway_nm(model) };
-        let motion = twin(&truth, kind, step_s, rating, &felt, SAMPLES, 200 + seed)?;
+        let felt = Felt { drive: 1e-3 * size * rating.drive, torque: 0.01 * size * level };
+        let style = if seed % 2 == 0 { Style::Creep } else { Style::Duty };
+        let motion = Motion {
+            truth: &truth,
+            kind,
+            step_s,
+            rating,
+            felt,
+            style,
+            samples: SAMPLES,
+            seed: 200 + seed,
+        };
+        let motion = motion.run()?;
         let friction = super::truth::frictions(&truth, &motion);
         for output in [false, true] {
             if output && !has_output {
@@ -142,7 +161,12 @@ pub fn spread<const N: usize>(
                 let wound: f64 = (0..N).map(|k| state[layout.deflection(k)]).sum();
                 let mut put = |which: usize, error: f64| errors[which][e.row].push(error.abs());
                 put(0, e.motor_velocity - state[layout.speed(0)]);
-                put(1, e.total_friction - friction[k]);
+                let (off, turning) = (e.total_friction - friction[k], e.spread.total_friction);
+                if turning < TURNING * level {
+                    put(1, off);
+                } else {
+                    turns[usize::from(Regime::sees(e.row))].push([off.abs(), turning]);
+                }
                 put(2, found.output_angle - (state[Layout::ANGLE] - wound) * shaft);
                 put(3, e.output_velocity - state[layout.speed(N)] * shaft);
                 put(4, e.load - motion.load[k]);
@@ -153,8 +177,8 @@ pub fn spread<const N: usize>(
             }
         }
     }
-    let blind = breakaway_nm(model) / shaft.abs();
-    Ok(std::array::from_fn(|row| {
+    let blind = level / shaft.abs();
+    let spread: [Spread<f64, N>; SETS] = std::array::from_fn(|row| {
         let of = |which: usize| deviation(&errors[which], row);
         let held_blind = row % Regime::COUNT == Regime::Held as usize && !Regime::sees(row);
         Spread {
@@ -165,11 +189,17 @@ pub fn spread<const N: usize>(
             output_velocity: of(3),
             load: if held_blind { of(4).max(0.5 * blind) } else { of(4) },
         }
-    }))
+    });
+    // Without an output encoder where there is none to be judged by.
+    let more = [0, 1].map(|output: usize| {
+        let own = if turns[output].is_empty() { &turns[0] } else { &turns[output] };
+        let steady = spread[Regime::Steady.row(output == 1, false)].total_friction;
+        let shares = own.iter().map(|[off, turning]| (off - steady).max(0.0) / turning);
+        middle(shares.collect())
+    });
+    Ok((spread, more))
 }
 
-/// One sigma such that 68 % of the errors lie within it: just after a change of the load they have
-/// long tails, which a root mean square would spread over all.
 fn deviation(errors: &Errors, row: usize) -> f64 {
     let mut own: Vec<f64> = errors[row].clone();
     let mut from = |other: usize| {
@@ -181,11 +211,16 @@ fn deviation(errors: &Errors, row: usize) -> f64 {
     from((row + SETS / 2) % SETS);
     from(row - row % Regime::COUNT);
     (0..SETS).for_each(&mut from);
+    middle(own)
+}
+
+/// One sigma of some errors, such that 68 % of them lie within it: just after a change of the load
+/// they have long tails, which a root mean square would spread over all.
+fn middle(mut own: Vec<f64>) -> f64 {
     own.retain(|v| v.is_finite());
     if own.is_empty() {
         return 0.0;
     }
     own.sort_by(f64::total_cmp);
-    let at = |share: f64| own[((own.len() - 1) as f64 * share) as usize];
-    at(0.683)
+    own[((own.len() - 1) as f64 * 0.683) as usize]
 }

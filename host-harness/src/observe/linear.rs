@@ -2,6 +2,7 @@
 
 use joint_core::joint::Drive;
 use joint_core::observer::winding;
+use joint_core::per_unit::Bases;
 use nalgebra::{DMatrix, DVector};
 
 use super::twin::Twin;
@@ -11,7 +12,7 @@ use crate::plant::{BuildError, Grid, Layout, inertias, output_shaft, plant};
 
 /// Order of the observer's quantities: those of the plant, then load (Nm), its slope (Nm a step),
 /// the drive beside the applied one (V or A), and the shares by which resistance (less that of the
-/// flux) and flux are larger.
+/// flux), flux and friction are larger.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
     /// The plant's part.
@@ -21,7 +22,7 @@ pub struct Order {
 impl Order {
     /// Number of quantities that are corrected: what effects remember is not.
     pub fn size(self) -> usize {
-        self.states() + 5
+        self.states() + 6
     }
 
     /// Quantities of the joint among them.
@@ -53,6 +54,11 @@ impl Order {
     pub fn flux(self) -> usize {
         self.states() + 4
     }
+
+    /// The friction that the model does not know.
+    pub fn level(self) -> usize {
+        self.states() + 5
+    }
 }
 
 /// Linearisation along a motion.
@@ -68,6 +74,8 @@ pub struct Linear {
     pub shows: DMatrix<f64>,
     /// By sample: current, A, and rotor speed, rad/s.
     pub running: Vec<[f64; 2]>,
+    /// By sample: what friction takes of the rotor's speed in a step, rad/s.
+    pub braking: Vec<f64>,
     /// By sample: whether the rotor is held by its friction.
     pub held: Vec<bool>,
     /// By sample: whether the last spring is bent.
@@ -97,6 +105,8 @@ pub fn linearise(
     let mut transition = Vec::with_capacity(samples);
     let mut held = Vec::with_capacity(samples);
     let mut running = Vec::with_capacity(samples);
+    let mut braking = Vec::with_capacity(samples);
+    let brakes = brakes(model, step_s);
     let share = winding(&model.motor, step_s);
     let (resistance, constant) =
         (2.0 * model.motor.phase_resistance_ohm, model.motor.torque_constant_nm_per_a);
@@ -146,6 +156,15 @@ pub fn linearise(
             f[(row, order.ohm())] = -resistance * mean * f[(row, order.bias())];
             f[(row, order.flux())] = -constant * speed * f[(row, order.bias())];
         }
+        let taken = |mass: usize| {
+            let [bristle, viscous] = brakes[mass];
+            state[layout.bristle(mass)] * bristle + state[layout.speed(mass)] * viscous
+        };
+        for row in 0..n {
+            f[(row, order.level())] =
+                (0..=layout.stages).map(|mass| -taken(mass) * f[(row, layout.speed(mass))]).sum();
+        }
+        braking.push(taken(0));
         transition.push(f);
     }
     let mut kick = DVector::zeros(size);
@@ -161,7 +180,7 @@ pub fn linearise(
     for stage in 0..layout.stages {
         shows[(2, layout.deflection(stage))] = -shaft;
     }
-    Ok(Linear { order, transition, kick, shows, running, held, bent })
+    Ok(Linear { order, transition, kick, shows, running, braking, held, bent })
 }
 
 /// Small changes of every quantity, of the order of what is known of it.
@@ -190,6 +209,31 @@ fn is_held(model: &Model, speed: f64, zeta: f64) -> bool {
     let level = 1.0 + friction.stribeck_nm / friction.coulomb_nm * bell;
     1.0 - speed.signum() * zeta / level > 0.5
 }
+
+/// What friction takes of every mass's speed in a step: for a bristle at its Coulomb level, rad/s at
+/// the motor, and for its viscous part, as a share of the speed.
+///
+/// It is taken at once, so that a bristle that is too stiff for that is felt at the rotor.
+pub fn brakes(model: &Model, step_s: f64) -> Vec<[f64; 2]> {
+    let bases = Bases::si(&model.motor, &model.stages);
+    let inertias = inertias(model);
+    let mut brakes = vec![[0.0; 2]; inertias.len()];
+    for (mass, own) in inertias.iter().enumerate() {
+        let friction = match mass.checked_sub(1) {
+            None => &model.motor.friction,
+            Some(stage) => &model.stages[stage].friction,
+        };
+        let shaft = bases.shaft(mass).abs();
+        let stiff = friction.sigma0_nm_per_rad * shaft * shaft * step_s * step_s / own;
+        let (at, inertia) = if stiff > MOST_STIFF { (0, inertias[0]) } else { (mass, *own) };
+        brakes[at][0] += friction.coulomb_nm * shaft * step_s / inertia;
+        brakes[mass][1] += friction.sigma2_nm_s_per_rad * shaft * shaft * step_s / own;
+    }
+    brakes
+}
+
+/// Largest σ0 h²/J of a bristle a third of whose torque acts on its own mass all at once.
+const MOST_STIFF: f64 = 4.0;
 
 /// From where on the last spring is bent, rad: its tangent is a quarter stiffer than at rest.
 pub fn bend(model: &Model) -> f64 {

@@ -26,6 +26,10 @@ pub struct Uncertain {
     pub ohm: f64,
     /// Walk of the flux a step, as a share.
     pub flux: f64,
+    /// Walk of friction's level a step, as a share.
+    pub level: f64,
+    /// Share by which the running mean of what friction takes follows it.
+    pub braking: f64,
     /// Walk of every bristle in a step, as a share of its Coulomb level.
     pub bristle: f64,
 }
@@ -34,6 +38,8 @@ pub struct Uncertain {
 const OHM: f64 = 0.05;
 /// The same of the flux.
 const FLUX: f64 = 0.01;
+/// The same of friction's level.
+const LEVEL: f64 = 0.07;
 
 /// Gains of one regime.
 #[derive(Clone, Debug)]
@@ -45,6 +51,9 @@ pub struct Median {
     /// Correction of resistance and flux for an innovation of the current of 1 A, at a current of
     /// 1 A and a speed of 1 rad/s.
     pub scale: [f64; 2],
+    /// By channel: correction of friction's level for an innovation of one unit where friction takes
+    /// 1 rad/s more of the rotor's speed in a step than in the mean.
+    pub level: [f64; CHANNELS],
 }
 
 /// Runs the covariance along a motion and takes the medians of the gains where `when` says so; `None`
@@ -62,6 +71,7 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
         (order.bias(), 100.0 * uncertain.bias),
         (order.ohm(), OHM),
         (order.flux(), FLUX),
+        (order.level(), LEVEL),
     ] {
         p[(index, index)] = square(sigma);
     }
@@ -70,6 +80,8 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
     }
     let mut gains: Vec<Vec<DMatrix<f64>>> = vec![Vec::new(); when.len()];
     let mut scales = vec![[[0.0; 2]; 2]; when.len()];
+    let mut levels = vec![[0.0; CHANNELS + 1]; when.len()];
+    let mut mean = 0.0;
     let mut variances: Vec<Vec<[f64; CHANNELS]>> = vec![Vec::new(); when.len()];
     let slope_walk = uncertain.slope * (1.0 - square(uncertain.leak)).max(0.0).sqrt();
     for (k, transition) in linear.transition.iter().enumerate() {
@@ -85,6 +97,8 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
         let Some(inverse) = s.clone().try_inverse() else { continue };
         let gain = &ph * inverse;
         p -= &gain * ph.transpose();
+        let beside = linear.braking[k] - mean;
+        mean += uncertain.braking * beside;
         let mut variance = [0.0; CHANNELS];
         for (row, &c) in used.iter().enumerate() {
             variance[c] = s[(row, row)];
@@ -93,6 +107,10 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
             if mask[k] {
                 gains[slot].push(gain.clone());
                 variances[slot].push(variance);
+                for (row, &c) in used.iter().enumerate() {
+                    levels[slot][c] += gain[(order.level(), row)] * beside;
+                }
+                levels[slot][CHANNELS] += beside * beside;
                 if used.first() == Some(&0) {
                     let rows = [order.ohm(), order.flux()];
                     for ((sums, row), by) in
@@ -117,6 +135,7 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
         p[(order.bias(), order.bias())] += square(uncertain.bias);
         p[(order.ohm(), order.ohm())] += square(uncertain.ohm);
         p[(order.flux(), order.flux())] += square(uncertain.flux);
+        p[(order.level(), order.level())] += square(uncertain.level);
         for mass in 0..=order.plant.stages {
             let index = order.plant.bristle(mass);
             p[(index, index)] += square(uncertain.bristle);
@@ -127,8 +146,8 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
     gains
         .iter()
         .zip(&variances)
-        .zip(&scales)
-        .map(|((gains, variances), scale)| {
+        .zip(scales.iter().zip(&levels))
+        .map(|((gains, variances), (scale, level))| {
             if gains.is_empty() {
                 return None;
             }
@@ -142,7 +161,9 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
                 std::array::from_fn(|c| median(variances.iter().map(|v| v[c])).max(0.0).sqrt());
             let scale =
                 scale.map(|[product, square]| if square > 0.0 { product / square } else { 0.0 });
-            Some(Median { gain, sigma, scale })
+            let [.., square] = *level;
+            let level = std::array::from_fn(|c| if square > 0.0 { level[c] / square } else { 0.0 });
+            Some(Median { gain, sigma, scale, level })
         })
         .collect()
 }

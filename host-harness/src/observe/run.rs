@@ -140,6 +140,7 @@ fn in_f64<S: Scalar, const N: usize>(e: &Estimate<S, N>) -> Estimate<f64, N> {
         bias: e.bias.to_f64(),
         resistance: e.resistance.to_f64(),
         flux: e.flux.to_f64(),
+        friction: e.friction.to_f64(),
         spread: Spread {
             motor_velocity: s.motor_velocity.to_f64(),
             total_friction: s.total_friction.to_f64(),

@@ -18,6 +18,7 @@ pub fn header(stages: usize) -> String {
             "drive_bias",
             "resistance_error",
             "torque_constant_error",
+            "friction_error",
         ]
         .map(str::to_owned),
     );
@@ -52,6 +53,7 @@ pub fn rows<const N: usize>(time_s: &[f64], found: &[Found<N>], shafts: &[f64; N
         put(e.bias);
         put(e.resistance);
         put(e.flux);
+        put(e.friction);
         put(s.motor_velocity);
         put(s.total_friction);
         s.windup.iter().for_each(|v| put(*v));

@@ -37,22 +37,6 @@ pub struct Felt {
     pub torque: f64,
 }
 
-/// Runs `truth` under a drive and loads within the rating.
-///
-/// # Errors
-/// The model cannot be built.
-pub fn twin(
-    truth: &Model,
-    kind: Drive,
-    step_s: f64,
-    rating: &Rating,
-    felt: &Felt,
-    samples: usize,
-    seed: u64,
-) -> Result<Twin, BuildError> {
-    moved(truth, kind, step_s, rating, felt, samples, seed, Style::Creep)
-}
-
 /// How a joint is moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Style {
@@ -72,48 +56,81 @@ impl Style {
     }
 }
 
-/// The same in a style.
-///
-/// # Errors
-/// The model cannot be built.
-#[allow(clippy::too_many_arguments)]
-pub fn moved(
-    truth: &Model,
-    kind: Drive,
-    step_s: f64,
-    rating: &Rating,
-    felt: &Felt,
-    samples: usize,
-    seed: u64,
-    style: Style,
-) -> Result<Twin, BuildError> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let (drive, load) = match style {
-        Style::Creep => {
-            (drive(rating, samples, &mut random), load(rating.load_nm, samples, &mut random))
-        }
-        Style::Duty => {
-            (duty(rating, samples, &mut random), duty_load(rating.load_nm, samples, &mut random))
-        }
-    };
-    let jumps = super::score::jumps(&load);
-    let times: Vec<f64> = (0..samples).map(|k| k as f64 * step_s).collect();
-    let grid = Grid::new(&times, None);
-    let plant = plant(truth, &grid, kind)?;
-    let layout = Layout::of(truth);
-    let inertia = crate::plant::inertias(truth)[0];
-    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-    let mut state = vec![0.0; layout.len()];
-    let mut states = Vec::with_capacity(samples);
-    for k in 0..samples {
-        states.push(state.clone());
-        if kind == Drive::Current {
-            state[Layout::CURRENT] = drive[k];
-        }
-        plant.propagate(k, &mut state, drive[k] + felt.drive * normal(), load[k]);
-        state[layout.speed(0)] += felt.torque * normal() * step_s / inertia;
+/// A motion to be made: which joint, for how long, and how it is driven and loaded.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// The joint as it is.
+    pub truth: &'a Model,
+    /// What its drive imposes.
+    pub kind: Drive,
+    /// Time between samples, s.
+    pub step_s: f64,
+    /// Within which the drive and the load stay.
+    pub rating: &'a Rating,
+    /// Noise on the joint.
+    pub felt: Felt,
+    /// How it moves.
+    pub style: Style,
+    /// For how many samples.
+    pub samples: usize,
+    /// Of everything random.
+    pub seed: u64,
+}
+
+impl Motion<'_> {
+    /// Makes it.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub fn run(&self) -> Result<Twin, BuildError> {
+        let Self { rating, samples, .. } = *self;
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        let (drive, load) = match self.style {
+            Style::Creep => {
+                (drive(rating, samples, &mut random), load(rating.load_nm, samples, &mut random))
+            }
+            Style::Duty => {
+                let drive = duty(rating, samples, &mut random);
+                (drive, duty_load(rating.load_nm, samples, &mut random))
+            }
+        };
+        self.along(drive, load, random)
     }
-    Ok(Twin { drive, load, states, jumps })
+
+    /// Makes it under a drive and a load that are given.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub fn under(&self, drive: Vec<f64>, load: Vec<f64>) -> Result<Twin, BuildError> {
+        self.along(drive, load, ChaCha8Rng::seed_from_u64(self.seed))
+    }
+
+    fn along(
+        &self,
+        drive: Vec<f64>,
+        load: Vec<f64>,
+        mut random: ChaCha8Rng,
+    ) -> Result<Twin, BuildError> {
+        let Self { truth, kind, step_s, felt, .. } = *self;
+        let jumps = super::score::jumps(&load);
+        let times: Vec<f64> = (0..drive.len()).map(|k| k as f64 * step_s).collect();
+        let grid = Grid::new(&times, None);
+        let plant = plant(truth, &grid, kind)?;
+        let layout = Layout::of(truth);
+        let inertia = crate::plant::inertias(truth)[0];
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut state = vec![0.0; layout.len()];
+        let mut states = Vec::with_capacity(drive.len());
+        for (k, (drive, load)) in drive.iter().zip(&load).enumerate() {
+            states.push(state.clone());
+            if kind == Drive::Current {
+                state[Layout::CURRENT] = *drive;
+            }
+            plant.propagate(k, &mut state, drive + felt.drive * normal(), *load);
+            state[layout.speed(0)] += felt.torque * normal() * step_s / inertia;
+        }
+        Ok(Twin { drive, load, states, jumps })
+    }
 }
 
 /// Ramps, holds, reversals, a wandering part, steps and slow passages through zero.

@@ -1,6 +1,6 @@
 //! What is read of an observer, in SI.
 
-use super::gains::Spread;
+use super::gains::{Regime, Spread};
 use super::health::Status;
 use super::{Observer, Track};
 use crate::effect::Effects;
@@ -34,6 +34,8 @@ pub struct Estimate<S, const N: usize> {
     pub resistance: S,
     /// Share by which the torque constant exceeds the model's.
     pub flux: S,
+    /// Share by which friction exceeds the model's.
+    pub friction: S,
     /// One standard deviation of each.
     pub spread: Spread<S, N>,
     /// Which row of gains and deviations is in use, as [`Regime::row`](super::Regime::row) counts.
@@ -81,14 +83,17 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
     pub fn reading(&self, track: &Track<S, N>) -> Estimate<S, N> {
         let (joint, gains, state) = (&self.joint, &self.gains, &track.state);
         let rotor = &state.rotor;
-        let motor_friction = joint.rotor.felt(rotor);
+        let all = S::ONE + track.level;
+        let motor_friction = joint.rotor.felt(rotor) * all;
         let mut total = motor_friction;
+        let mut turning = joint.rotor.turning(rotor);
         let mut wound = S::ZERO;
         let mut stage_friction = [S::ZERO; N];
         let mut windup = [S::ZERO; N];
         let out = stage_friction.iter_mut().zip(&mut windup);
         for ((stage, own), (friction, windup)) in state.stages.iter().zip(&joint.stages).zip(out) {
-            *friction = own.friction.felt(&stage.mass);
+            *friction = own.friction.felt(&stage.mass) * all;
+            turning = turning + own.friction.turning(&stage.mass);
             total = total + *friction;
             *windup = stage.deflection;
             wound = wound + stage.deflection;
@@ -99,6 +104,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let (more, output_part) = (S::from_turn_counts(base.0 as i32) + part).split_turns();
         // Read as signed, the upper half of a turn counts back from the next.
         let turns = turns.wrapping_add(i32::from(base.0 > i32::MAX as u32));
+        let row = usize::from(track.row);
+        let mut spread = match gains.spread.get(row) {
+            Some(spread) => *spread,
+            None => Spread::filled(S::ZERO),
+        };
+        let [without, with] = gains.turning;
+        let turning = turning * if Regime::sees(row) { with } else { without };
+        spread.total_friction = spread.total_friction + turning;
         Estimate {
             motor_velocity: rotor.speed,
             motor_friction,
@@ -112,11 +125,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             bias: track.bias,
             resistance: track.ohm + track.flux,
             flux: track.flux,
-            spread: match gains.spread.get(usize::from(track.row)) {
-                Some(spread) => *spread,
-                None => Spread::filled(S::ZERO),
-            },
-            row: usize::from(track.row),
+            friction: track.level,
+            spread,
+            row,
             status: track.status,
         }
     }

@@ -131,6 +131,46 @@ impl<G: Copy, const N: usize> Spread<G, N> {
     }
 }
 
+/// How friction's level is learned: the share by which all friction exceeds the model's.
+///
+/// From the motor alone, friction and load are one torque, but friction turns round with the speed
+/// and a load does not: what is left of friction's change beside its own running mean, times the
+/// innovations that a torque on the rotor makes, tells one from the other. Where the speed keeps its
+/// sign the level is unobservable, and stays as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level<const N: usize> {
+    /// What friction takes of the rotor's speed in a step, reflected to the motor: rad/s where its
+    /// bristle slips, and the share for its viscous part.
+    pub rotor: [f64; 2],
+    /// The same of every mass behind a stage.
+    pub stages: [[f64; 2]; N],
+    /// Share by which the running mean of the rotor's follows it, without and with an output encoder.
+    pub follow: [f64; 2],
+    /// Weights that make of the innovations of rotor and output angle one number of variance one
+    /// that leans with a torque on the rotor, without and with an output encoder.
+    pub lean: [[f64; 2]; 2],
+    /// Change of the level for such a number of one, where friction takes 1 rad/s more than in the
+    /// mean, s/rad; without and with an output encoder.
+    pub gain: [f64; 2],
+    /// How many standard deviations of that number count: more is a load that jumps.
+    pub most_lean: f64,
+    /// Largest deviation believed, as a share of the model's.
+    pub most: f64,
+}
+
+impl<const N: usize> Level<N> {
+    /// Never learns.
+    pub const NONE: Self = Self {
+        rotor: [0.0; 2],
+        stages: [[0.0; 2]; N],
+        follow: [0.0; 2],
+        lean: [[0.0; 2]; 2],
+        gain: [0.0; 2],
+        most_lean: 0.0,
+        most: 0.0,
+    };
+}
+
 /// A designed observer in SI: gains are corrections for one standard deviation of an innovation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design<const N: usize> {
@@ -141,6 +181,16 @@ pub struct Design<const N: usize> {
     pub ohm: f64,
     /// Change of the flux, as a share of the model's, for the same at a speed of one rad/s, s/rad.
     pub flux: f64,
+    /// Friction's level, as [`Level`] says.
+    pub level: Level<N>,
+    /// Standard deviations that a current may be off before the drive is taken to have put out
+    /// another voltage.
+    pub sudden: f64,
+    /// What a current of one ampere makes of the rotor's speed in a step, rad/s.
+    pub push: f64,
+    /// Samples of motion after which winding and magnets are taken to be known, so that what is
+    /// sudden is no error of theirs.
+    pub sure: u16,
     /// Wind-up of the last stage from which the gains are those of a bent spring, rad.
     pub bent: f64,
     /// One standard deviation of the innovations: A, rad of the rotor, rad of the output.
@@ -179,6 +229,9 @@ pub struct Design<const N: usize> {
     pub most_current_a: f64,
     /// Standard deviations by [`Regime::row`].
     pub spread: [Spread<f64, N>; SETS],
+    /// How much of the friction of bristles that are turning round is one standard deviation more of
+    /// friction, without and with an output encoder.
+    pub turning: [f64; 2],
 }
 
 /// Numbers that scale one channel.
@@ -192,6 +245,17 @@ pub(crate) struct Whiten<S: Scalar> {
     pub(crate) gate: S,
 }
 
+/// What friction takes of a mass's speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(bound = ""))]
+pub(crate) struct Brake<S: Scalar> {
+    /// In [`TURNS`] steps: for ζ of one,
+    pub(crate) bristle: S::Gain,
+    /// and for a speed of one.
+    pub(crate) viscous: S::Gain,
+}
+
 /// A designed observer in the units of its joint.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -200,6 +264,21 @@ pub struct Gains<S: Scalar, const N: usize> {
     pub(crate) sets: [[Column<S::Gain, N>; CHANNELS]; SETS],
     pub(crate) ohm: S::Gain,
     pub(crate) flux: S::Gain,
+    pub(crate) brake: Brake<S>,
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
+    pub(crate) brakes: [Brake<S>; N],
+    pub(crate) braking: [S::Gain; 2],
+    pub(crate) level_lean: [[S::Gain; 2]; 2],
+    pub(crate) level: [S::Gain; 2],
+    pub(crate) most_level_lean: S,
+    pub(crate) most_level: S,
+    pub(crate) sudden: S,
+    pub(crate) sure: u16,
+    pub(crate) most_sure: u16,
+    /// Drive that is missing where one step, or two, left the current off by one,
+    pub(crate) missing: [S::Gain; 2],
+    /// and what that current has made of the rotor's speed.
+    pub(crate) push: [S::Gain; 2],
     /// Share of the final current in the mean of a step, beside the starting one.
     pub(crate) winding: S::Gain,
     pub(crate) bent: S,
@@ -239,6 +318,7 @@ pub struct Gains<S: Scalar, const N: usize> {
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub(crate) windup: [S::Gain; N],
     pub(crate) spread: [Spread<S, N>; SETS],
+    pub(crate) turning: [S; 2],
 }
 
 impl<S: Scalar, const N: usize> Gains<S, N> {
@@ -263,8 +343,8 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             stage += 1;
             S::gain(units.shaft(stage) * units.angle)
         });
-        let [current, motor, output] = design.sigma;
-        let own = [current / units.current, motor / turn, output / turn];
+        let [current, rotor, output] = design.sigma;
+        let own = [current / units.current, rotor / turn, output / turn];
         let sigma = own.map(|sigma| sigma.max(LEAST_SIGMA));
         let mut many = [SIGMAS; CHANNELS];
         for ((many, sigma), own) in many.iter_mut().zip(sigma).zip(own) {
@@ -291,7 +371,17 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             let [a, b, c] = many;
             [S::gain(a * current), S::gain(b * motor), S::gain(c * output)]
         };
-        let [by_current, ..] = many;
+        let [by_current, by_motor, by_output] = many;
+        let brake = |[bristle, viscous]: [f64; 2]| Brake {
+            bristle: S::gain(TURNS * bristle / units.speed),
+            viscous: S::gain(TURNS * viscous),
+        };
+        let level = &design.level;
+        let level_lean = |[motor, output]: [f64; 2]| {
+            [S::gain(by_motor * motor / SIGMAS), S::gain(by_output * output / SIGMAS)]
+        };
+        let [sudden, ..] = sigma;
+        let sudden = (design.sudden.min(design.gate) * sudden).min(MOST_INNOVATION);
         let whiten = sigma.map(|sigma| Whiten {
             per_sigma: S::gain(1.0 / (SIGMAS * sigma)),
             gate: S::from_f64((design.gate * sigma).min(MOST_INNOVATION)),
@@ -313,8 +403,24 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
         };
         Self {
             sets: design.sets.each_ref().map(set),
-            ohm: S::gain(by_current * design.ohm * units.current),
-            flux: S::gain(by_current * design.flux * units.speed),
+            ohm: S::gain(TURNS * by_current * design.ohm * units.current),
+            flux: S::gain(TURNS * by_current * design.flux * units.speed),
+            brake: brake(level.rotor),
+            brakes: level.stages.map(brake),
+            braking: level.follow.map(|share| S::gain(1.0 - (1.0 - share) * (1.0 - share))),
+            level_lean: level.lean.map(level_lean),
+            level: level.gain.map(|gain| S::gain(SIGMAS * gain * units.speed)),
+            most_level_lean: S::from_f64(level.most_lean / SIGMAS),
+            most_level: S::from_f64(level.most),
+            sudden: S::from_f64(sudden),
+            sure: design.sure / TURNS as u16,
+            most_sure: 2 * (design.sure / TURNS as u16),
+            missing: [1.0, 2.0].map(|steps| S::gain(1.0 / reached(motor, step_s, steps))),
+            push: [1.0, 2.0].map(|steps| {
+                let mean =
+                    steps * winding_over(motor, step_s, steps) / reached(motor, step_s, steps);
+                S::gain(design.push * mean * units.current / units.speed)
+            }),
             winding: S::gain(winding),
             bent: S::from_f64((design.bent / units.angle_at(N)).abs().min(LARGE)),
             whiten,
@@ -346,16 +452,31 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             drive: S::gain(drive),
             windup,
             spread: design.spread.each_ref().map(spread),
+            turning: design.turning.map(S::from_f64),
         }
     }
 }
 
 /// Share of its final value in the mean current of a step that begins at another.
 pub fn winding(motor: &Motor, step_s: f64) -> f64 {
+    winding_over(motor, step_s, 1.0)
+}
+
+/// The same over so many steps.
+fn winding_over(motor: &Motor, step_s: f64, steps: f64) -> f64 {
     let lag = motor.phase_inductance_h / motor.phase_resistance_ohm;
     // Without resistance the current has no final value.
-    if lag.is_finite() { 1.0 - lag / step_s * -libm::expm1(-step_s / lag) } else { 0.0 }
+    if lag.is_finite() { 1.0 - lag / (steps * step_s) * reached(motor, step_s, steps) } else { 0.0 }
 }
+
+/// Share of its final value in the current at the end of so many steps; one without resistance.
+fn reached(motor: &Motor, step_s: f64, steps: f64) -> f64 {
+    let lag = motor.phase_inductance_h / motor.phase_resistance_ohm;
+    if lag.is_finite() { -libm::expm1(-steps * step_s / lag) } else { 1.0 }
+}
+
+/// What is slow is learned, and the friction that is learned acts, in two halves that take turns.
+const TURNS: f64 = 2.0;
 
 /// Innovations are counted in this many standard deviations: what is believed of them then stays
 /// within one in fixed point.

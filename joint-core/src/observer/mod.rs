@@ -3,14 +3,15 @@
 //! One model step predicts, a few dozen multiply-adds correct: the gains are designed on the host
 //! ([`Design`]) and constant within a [`Regime`], so an update costs a fifth of a full Kalman filter
 //! and always the same. Beside the joint's own state it carries the load torque and its slope, and a
-//! voltage that the drive did not mean to put out and a resistance that the model does not know,
-//! without which every ohm that is off would pass for a load.
+//! voltage that the drive did not mean to put out, and by how much resistance, flux and friction are
+//! larger than the model's, without which every ohm that is off would pass for a load.
 //!
 //! ```text
-//! state ← step(state, u + bias − ohm · R i − flux · k_e ω, load + slope)
+//! state ← step(state, u + bias − ohm · R i − flux · k_e ω, load + slope), less level · friction
 //! load ← load + slope,  slope ← leak · slope
 //! (state, load, slope, bias) ← … + Σ_c K_c(regime) · (y_c − ŷ_c)/σ_c
 //! ohm ← ohm + K_ohm · i · (y_i − ŷ_i)/σ_i,  flux ← flux + K_flux · ω · (y_i − ŷ_i)/σ_i
+//! level ← level + K_level · (friction − its mean) · Σ_c w_c · (y_c − ŷ_c)/σ_c
 //! ```
 //!
 //! An [`Observer`] never changes; a [`Track`] is what moves. In the drive's interrupt:
@@ -27,7 +28,7 @@ mod turn;
 mod update;
 
 pub use estimate::Estimate;
-pub use gains::{CHANNELS, Column, Design, Gains, Regime, SETS, Spread, StageRow, winding};
+pub use gains::{CHANNELS, Column, Design, Gains, Level, Regime, SETS, Spread, StageRow, winding};
 pub use health::Status;
 pub use turn::{Encoder, Geared, Turn};
 
@@ -74,6 +75,14 @@ pub struct Track<S, const N: usize> {
     pub ohm: S,
     /// Share by which the magnets' flux, and with it k_t and k_e, exceeds the model's.
     pub flux: S,
+    /// Share by which friction exceeds the model's.
+    pub level: S,
+    /// Running mean of what friction takes of the rotor's speed in a step.
+    braking: S,
+    /// Samples for which the current was as the model has it, and how many it was when first it was
+    /// not.
+    sure: u16,
+    unsure: u16,
     /// Drive that is applied from the last sample on, per-unit.
     drive: S,
     /// Running mean of the innovations' lean.
@@ -83,8 +92,11 @@ pub struct Track<S, const N: usize> {
     /// Running share of alarms, and steps left in [`Regime::Lively`].
     often: S,
     lively: u16,
-    /// Steps for which friction has held the rotor.
+    /// Steps for which friction has held the rotor, and until a rest is forgotten.
     held: u16,
+    rested: u16,
+    /// Whose turn it is of what is slow: friction's and the rotor's, else the motor's and the gear's.
+    even: bool,
     /// Running mean of the innovations' square, and how long it has been too large.
     energy: S,
     /// Rotor angles one after the other that were not believed.

@@ -5,12 +5,12 @@
 //! flag, the estimates stay within their bounds, and the next good sample is taken up without a
 //! reset.
 
-use super::gains::{CHANNELS, Column, Gains, Regime};
+use super::gains::{Brake, CHANNELS, Column, Gains, Regime, Whiten};
 use super::health::Status;
 use super::turn::Turn;
 use super::{Observer, Sample, Track};
 use crate::effect::Effects;
-use crate::joint::{Input, State};
+use crate::joint::{Input, Mass, State};
 use crate::scalar::Scalar;
 
 /// Rotor angles that may be off, one after the other, before the estimate is given up.
@@ -23,6 +23,10 @@ const OUTPUT_SILENCE: u16 = 3;
 const FIRST: u16 = 8;
 /// Steps for which friction must have held the rotor before that is a rest and no reversal.
 const STILL: u16 = 10;
+
+/// Surprises after which winding and magnets are no longer taken to be known: a dip under a drive that
+/// moves has dozens.
+const SURPRISES: u16 = 64;
 
 /// What an update sees of a sample.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,12 +57,18 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             bias: S::ZERO,
             ohm: S::ZERO,
             flux: S::ZERO,
+            level: S::ZERO,
+            braking: S::ZERO,
+            sure: 0,
+            unsure: 0,
             drive: S::ZERO,
             lean: S::ZERO,
             alert: 0,
             often: S::ZERO,
             lively: 0,
             held: 0,
+            rested: 0,
+            even: false,
             energy: S::ZERO,
             doubts: 0,
             missed: 0,
@@ -76,8 +86,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let status = if track.age < FIRST {
             self.acquire(track, sample)
         } else {
-            self.predict(track);
-            self.correct(track, sample)
+            let beside = self.predict(track);
+            self.correct(track, sample, beside)
         };
         let drive = self.joint.input(sample.drive, S::ZERO).drive;
         let known = drive.abs() <= self.gains.most_drive;
@@ -89,9 +99,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         track.status
     }
 
-    /// One step of the model.
+    /// One step of the model. Answers with what the rotor's friction took beside its running mean, every
+    /// other time.
     #[inline(always)]
-    fn predict(&self, track: &mut Track<S, N>) {
+    fn predict(&self, track: &mut Track<S, N>) -> S {
         track.load = track.load + track.slope;
         if let Some(leak) = self.gains.leak.get(track.regime as usize) {
             track.slope = track.slope.times(*leak);
@@ -100,7 +111,33 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let State { current, rotor, .. } = &track.state;
         let flowing = *current + (drive - rotor.speed - *current).times(self.gains.winding);
         let drive = drive - track.ohm * flowing - track.flux * rotor.speed;
+        let beside = self.brake(track);
         self.joint.step(&mut track.state, Input { drive, load: track.load });
+        beside
+    }
+
+    /// Lets the friction act that the model has not: on the rotor and on what is behind it by turns.
+    #[inline(always)]
+    fn brake(&self, track: &mut Track<S, N>) -> S {
+        let (gains, level) = (&self.gains, track.level);
+        let takes = |brake: &Brake<S>, mass: &Mass<S>| {
+            mass.bristle.zeta.times(brake.bristle) + mass.speed.times(brake.viscous)
+        };
+        let State { rotor, stages, .. } = &mut track.state;
+        if !track.even {
+            for (stage, brake) in stages.iter_mut().zip(&gains.brakes) {
+                let mass = &mut stage.mass;
+                mass.speed = mass.speed - level * takes(brake, mass);
+            }
+            return S::ZERO;
+        }
+        let taken = takes(&gains.brake, rotor);
+        rotor.speed = rotor.speed - level * taken;
+        let [without, with] = gains.braking;
+        let follow = if Regime::sees(usize::from(track.row)) { with } else { without };
+        let beside = taken - track.braking;
+        track.braking = track.braking + beside.times(follow);
+        beside
     }
 
     /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none to believe; and the flags that
@@ -108,14 +145,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     fn innovations(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Looked<S> {
         let gains = &self.gains;
-        let state = &track.state;
         let [by_current, by_motor, by_output] = &gains.whiten;
         let mut status = Status::OK;
         let mut blind = true;
         let mut found = [S::ZERO; CHANNELS];
         let [current, motor, output] = &mut found;
 
-        let ahead = sample.motor.map(|turn| motor_ahead(&self.joint.effects, state, turn));
+        let ahead = sample.motor.map(|turn| motor_ahead(&self.joint.effects, &track.state, turn));
         match ahead {
             Some(ahead) if ahead.abs() <= by_motor.gate => {
                 *motor = ahead.times(by_motor.per_sigma);
@@ -140,7 +176,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         if let Some(turn) = sample.output
             && N > 0
         {
-            let ahead = output_ahead(&self.joint.effects, gains, self.joint.turns, state, turn);
+            let ahead =
+                output_ahead(&self.joint.effects, gains, self.joint.turns, &track.state, turn);
             if ahead.abs() <= by_output.gate {
                 *output = ahead.times(by_output.per_sigma);
                 track.output_missed = 0;
@@ -157,10 +194,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 Some(measured) if measured.abs() < gains.most_current => {
                     // Currents are those that give their torque with the model's flux.
                     let measured = measured + measured * track.flux;
-                    let shown = self.joint.effects.measured_current(state.current);
+                    let shown = self.joint.effects.measured_current(track.state.current);
                     let ahead = measured - shown;
-                    let ahead = match ahead.abs() > by_current.gate {
-                        true => at_bound(ahead, by_current.gate),
+                    let ahead = match ahead.abs() > gains.sudden {
+                        true => self.surprised(track, ahead),
                         false => ahead,
                     };
                     *current = ahead.times(by_current.per_sigma);
@@ -177,8 +214,46 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         Looked { found, status, blind }
     }
 
+    /// A current that is off by more than the design has it: what there is to correct by.
+    ///
+    /// Until winding and magnets are known it is an error of theirs. Then, the second time, the drive
+    /// has put out another voltage than it was told, and that voltage takes all of it: a bus that
+    /// dips is neither a load nor a resistance.
+    #[cold]
+    #[inline(never)]
+    fn surprised(&self, track: &mut Track<S, N>, ahead: S) -> S {
+        let gains = &self.gains;
+        let second = track.sure == track.unsure;
+        track.sure = track.sure.saturating_sub(gains.sure / SURPRISES + 1);
+        if track.sure < gains.sure {
+            let [Whiten { gate, .. }, ..] = gains.whiten;
+            return if ahead.abs() > gate { at_bound(ahead, gate) } else { ahead };
+        }
+        let calm = self.calm(track);
+        track.energy = gains.most_energy;
+        track.unsure = if calm { track.sure } else { u16::MAX };
+        if calm {
+            return S::ZERO;
+        }
+        let ([missing, missing_twice], [push, push_twice]) = (gains.missing, gains.push);
+        let (missing, push) = if second { (missing_twice, push_twice) } else { (missing, push) };
+        let (before, State { current, rotor, .. }) = (track.bias, &mut track.state);
+        *current = *current + ahead;
+        rotor.speed = rotor.speed + ahead.times(push);
+        let bias = before + ahead.times(missing);
+        // What little is left of it is what the estimate was off: the dip is over.
+        track.bias = if bias.abs() < before.abs().eighth() { S::ZERO } else { bias };
+        S::ZERO
+    }
+
+    /// Whether no surprise was a short time ago.
     #[inline(always)]
-    fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
+    fn calm(&self, track: &Track<S, N>) -> bool {
+        track.energy + track.energy <= self.gains.most_energy
+    }
+
+    #[inline(always)]
+    fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>, beside: S) -> Status {
         let gains = &self.gains;
         let Looked { found, mut status, blind } = self.innovations(track, sample);
         if status == Status::REPEATED {
@@ -235,19 +310,23 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
             self.apply(track, set, &found);
         }
 
-        let [by_current, ..] = found;
-        track.ohm = track.ohm + current * by_current.times(gains.ohm);
-        track.flux = track.flux + speed * by_current.times(gains.flux);
-        for (value, most) in [
-            (&mut track.load, gains.most_load),
-            (&mut track.bias, gains.most_bias),
-            (&mut track.ohm, gains.most_ohm),
-            (&mut track.flux, gains.most_flux),
-        ] {
-            if value.abs() > most {
-                *value = at_bound(*value, most);
-                status = status.with(Status::BOUNDED);
-            }
+        // Nothing slow is learned of a drive that does not do as it is told, and of the rest one half
+        // at a time.
+        let learns = self.calm(track) || track.sure < gains.sure;
+        let bound = if track.even {
+            track.rested =
+                if track.held > STILL { gains.settled } else { track.rested.saturating_sub(2) };
+            let tells = seen || regime == Regime::Steady && track.rested == 0;
+            learns && tells && !held && self.learn_friction(track, beside, seen, &found)
+        } else {
+            learns && self.learn_motor(track, current, speed, &found, held)
+        };
+        track.even = !track.even;
+        status = status.with_if(bound, Status::BOUNDED);
+        for (value, most) in
+            [(&mut track.load, gains.most_load), (&mut track.bias, gains.most_bias)]
+        {
+            status = status.with_if(bounded(value, most), Status::BOUNDED);
         }
         if track.age < gains.settled {
             track.age += 1;
@@ -266,12 +345,51 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
         status
     }
 
+    /// Winding and magnets, where the current tells of them. Answers whether either is at its bound.
+    #[inline(always)]
+    fn learn_motor(
+        &self,
+        track: &mut Track<S, N>,
+        current: S,
+        speed: S,
+        [by_current, ..]: &[S; CHANNELS],
+        held: bool,
+    ) -> bool {
+        let gains = &self.gains;
+        track.ohm = track.ohm + current * by_current.times(gains.ohm);
+        track.flux = track.flux + speed * by_current.times(gains.flux);
+        if !held && track.sure < gains.most_sure {
+            track.sure += 1;
+        }
+        bounded(&mut track.ohm, gains.most_ohm) | bounded(&mut track.flux, gains.most_flux)
+    }
+
+    /// Friction's level, from what is `beside` the running mean of it. Answers whether it is at its
+    /// bound.
+    #[inline(always)]
+    fn learn_friction(
+        &self,
+        track: &mut Track<S, N>,
+        beside: S,
+        seen: bool,
+        [_, by_motor, by_output]: &[S; CHANNELS],
+    ) -> bool {
+        let gains = &self.gains;
+        let ([without, with], [gain, gain_seen]) = (&gains.level_lean, &gains.level);
+        let ([motor, output], gain) = if seen { (with, gain_seen) } else { (without, gain) };
+        let mut torque = by_motor.times(*motor) + by_output.times(*output);
+        bounded(&mut torque, gains.most_level_lean);
+        track.level = track.level + beside * torque.times(*gain);
+        bounded(&mut track.level, gains.most_level)
+    }
+
     /// Starts anew, with what is slow kept.
     #[cold]
     #[inline(never)]
     fn restart(&self, track: &mut Track<S, N>) {
-        let Track { last, drive, ohm, flux, .. } = *track;
-        *track = Track { last, drive, ohm, flux, ..self.start(track.state.angle.whole) };
+        let Track { last, drive, ohm, flux, level, sure, .. } = *track;
+        *track =
+            Track { last, drive, ohm, flux, level, sure, ..self.start(track.state.angle.whole) };
     }
 
     /// Adds the gains times the innovations, and to the forces that the step keeps what follows from
@@ -397,6 +515,16 @@ fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
     let shown = part + effects.encoder_error(true, angle, speed);
     let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
     (beyond - shown).split_turns().1
+}
+
+/// Holds a value to its bound; answers whether it was past it.
+#[inline(always)]
+fn bounded<S: Scalar>(value: &mut S, most: S) -> bool {
+    let past = value.abs() > most;
+    if past {
+        *value = at_bound(*value, most);
+    }
+    past
 }
 
 /// The bound that a value is past.
