@@ -10,7 +10,7 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use nalgebra::{DMatrix, DVector};
 
-use super::candidates::cogging;
+use super::candidates::{cogging, gravity};
 use super::search::Stage;
 use super::whereabouts::push_along;
 use crate::estimate::filter::{Equation, Noise, Walk};
@@ -32,7 +32,8 @@ const TOGETHER: f64 = 0.5;
 const SLOWNESS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
 /// The strongest lines of the push as at most `most` effects, refitted without the push; `None`
-/// where the push is none of the rotor's torque or is not made of lines, or the model has some.
+/// where the push is none of the rotor's torque or is not made of lines, or the model has some. The
+/// line of order one of a joint without stages is gravity's.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -42,6 +43,7 @@ pub fn comb(
     (walk, protected): (Walk, &Fit),
     [expected, wary]: [&Noise; 2],
     most: usize,
+    withdrawn: &[Kind],
 ) -> Result<Option<Stage>, BuildError> {
     if base.fit.model.effects.iter().any(|effect| effect.kind == Kind::Cogging) {
         return Ok(None);
@@ -69,11 +71,22 @@ pub fn comb(
     let mut start = start.clone();
     let mut origin = base.origin.clone();
     let mut coordinates = base.fit.coordinates.clone();
+    let hangs = gravity::own_line(&base.fit.model);
+    left.retain(|line| !(hangs && line.order == 1 && withdrawn.contains(&Kind::Gravity)));
     for _ in 0..most {
         if left.is_empty() {
             break;
         }
         let first = left.remove(0);
+        if hangs && first.order == 1 {
+            let hypothesis = gravity::pull(Location::Motor, constant * first.amplitude());
+            let [amplitude, phase] = [constant * first.amplitude(), first.phase()];
+            coordinates.extend(hypothesis.coordinates(start.effects.len()));
+            origin.effects.push(hypothesis.start);
+            let pulls = hypothesis.start.with("amplitude_nm", amplitude).with("phase_rad", phase);
+            start.effects.push(pulls);
+            continue;
+        }
         let double = left.iter().position(|line| line.order == 2 * first.order);
         let double = double.map(|at| left.remove(at));
         let scale = constant * first.amplitude();

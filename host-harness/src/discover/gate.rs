@@ -19,6 +19,8 @@ const TORQUE_EXCESS: f64 = 4.5;
 const COLOUR: f64 = 0.1;
 /// Most that a channel's variance may differ from the twins', relative.
 const VARIANCE: f64 = 0.15;
+/// Most that an innovation counts for, in sigmas.
+const BEYOND: f64 = 1e6;
 /// Lags looked at.
 const LAGS: usize = 8;
 
@@ -134,13 +136,14 @@ fn moments(rows: &[[f64; CHANNELS]], mask: &[f64], c: usize) -> (f64, [f64; LAGS
     (variance, colour)
 }
 
-/// RMS of innovations over the samples of a mask: of one channel, or of all that are measured.
+/// RMS of innovations over the samples of a mask: of one channel, or of all that are measured. One of a
+/// model that is beyond all numbers counts as a million sigmas.
 pub fn rms(rows: &[[f64; CHANNELS]], mask: &[f64], channel: Option<usize>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for (row, mask) in rows.iter().zip(mask) {
         for (c, e) in row.iter().enumerate() {
             if *e != 0.0 && channel.is_none_or(|only| only == c) {
-                sum += mask * e * e;
+                sum += mask * e.abs().min(BEYOND).powi(2);
                 count += mask;
             }
         }

@@ -15,10 +15,12 @@ use super::comb::{self, comb};
 use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
 use super::score_test::{Gain, ScoreTest};
-use super::search::{Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, threshold, title};
+use super::search::{
+    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, calm, holds, threshold, title,
+};
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::{Linearisation, Noise};
-use crate::estimate::fit::{Known, Problem};
+use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::refit::{self, cost};
 use crate::plant::BuildError;
 
@@ -26,6 +28,10 @@ use crate::plant::BuildError;
 const DISTRUST: f64 = 2.0;
 /// Share of the best gain beside the push from which on a name has to do without it.
 const RIVALLING: f64 = 0.2;
+/// What a base costs that is no number.
+const BEYOND: f64 = 1e12;
+/// Names that are refitted until they gain nothing more, where none leaves only noise.
+const CONVERGED: usize = 3;
 /// Hypotheses that are fitted beside the push.
 const FITTED: usize = 5;
 
@@ -88,25 +94,29 @@ pub fn add_protected(
     let alone = fitted.into_par_iter().map(alone).collect::<Result<Vec<_>, BuildError>>()?;
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (name, score, stage) in alone {
-        let gain = search
-            .believes(&stage.fit.model, problem.record)
-            .then(|| cost(&base.fit) - cost(&stage.fit));
+        let gain =
+            search.believes(&stage.fit.model, problem.record).then(|| gained(&base, &stage.fit));
         search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
         tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
     }
-    tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    tried.sort_by(|a, b| promise(b, &expected).total_cmp(&promise(a, &expected)));
+    let tried = converged(&problem, &base, tried, &expected)?;
     let alone = tried.first().map_or(0.0, |(winner, _)| winner.gain.max(0.0));
-    if !search.withdrawn.contains(&comb::NAME.0) {
+    let explained = tried.first().is_some_and(|(_, stage)| calm(&stage.fit.noise, &expected));
+    if !explained && !search.withdrawn.contains(&comb::NAME.0) {
         let left = MOST_EFFECTS - search.rounds.len();
-        let found = comb(&problem, &base, (walk, &protected), [&expected, &wary], left)?;
+        let lines = (walk, &protected);
+        let found = comb(&problem, &base, lines, [&expected, &wary], left, &search.withdrawn)?;
         if let Some(stage) = found {
             let lines = stage.origin.effects.len() - base.origin.effects.len();
             let gain = cost(&base.fit) - cost(&stage.fit);
             if gain > alone + LEAST_GAIN * lines as f64 {
+                let names = stage.origin.effects.iter().skip(base.origin.effects.len());
+                let names: Vec<_> = names.map(|line| (line.kind, line.location)).collect();
                 let rivals = tried.into_iter().map(|(contender, _)| contender);
-                let rivals: Vec<_> = rivals.filter(|rival| rival.name != comb::NAME).collect();
-                search.rounds.extend((0..lines).map(|_| Round {
-                    name: comb::NAME,
+                let rivals: Vec<_> = rivals.filter(|rival| !names.contains(&rival.name)).collect();
+                search.rounds.extend(names.into_iter().map(|name| Round {
+                    name,
                     gain: gain / lines as f64,
                     rivals: rivals.clone(),
                     runner_up: None,
@@ -118,15 +128,49 @@ pub fn add_protected(
     }
     let mut tried = tried.into_iter();
     let Some((winner, stage)) = tried.next() else { return Ok(false) };
-    if winner.gain.is_nan() || winner.gain < LEAST_GAIN {
+    if winner.gain < LEAST_GAIN || winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit)? {
         return Ok(false);
     }
     let (rivals, mut beaten): (Vec<_>, Vec<_>) = tried.unzip();
     let runner_up = (!beaten.is_empty()).then(|| beaten.swap_remove(0));
-    let Stage { fit, origin } = stage;
-    let fit = refit::converge(&problem, &origin, fit, &expected)?;
-    let stage = Stage { fit, origin };
     search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals, runner_up });
     search.after = stage;
     Ok(true)
+}
+
+/// What a fit gains over a base that may be beyond all numbers.
+fn gained(base: &Stage, fit: &Fit) -> f64 {
+    let gain = cost(&base.fit).min(BEYOND) - cost(fit);
+    if gain.is_nan() { f64::NEG_INFINITY } else { gain }
+}
+
+/// What a name promises: what it has gained, or where it is still far from a fit how little noise it
+/// asks for.
+fn promise((contender, stage): &(Contender, Stage), expected: &Noise) -> f64 {
+    let gain = contender.gain;
+    if gain.is_finite() && gain > 0.0 { gain } else { -stage.fit.noise.times(expected) }
+}
+
+/// The names refitted until they gain nothing more, the best first: beside a push a name may have
+/// looked better than it holds without. One that leaves nothing to explain ends this.
+fn converged(
+    problem: &Problem<'_>,
+    base: &Stage,
+    tried: Vec<(Contender, Stage)>,
+    expected: &Noise,
+) -> Result<Vec<(Contender, Stage)>, BuildError> {
+    let mut done: Vec<(Contender, Stage)> = Vec::new();
+    let mut explained = false;
+    for (contender, Stage { fit, origin }) in tried {
+        if explained || done.len() == CONVERGED {
+            done.push((contender, Stage { fit, origin }));
+            continue;
+        }
+        let fit = refit::converge(problem, &origin, fit, expected)?;
+        explained = calm(&fit.noise, expected);
+        let gain = gained(base, &fit);
+        done.push((Contender { gain, ..contender }, Stage { fit, origin }));
+    }
+    done.sort_by(|a, b| promise(b, expected).total_cmp(&promise(a, expected)));
+    Ok(done)
 }

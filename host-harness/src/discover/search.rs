@@ -36,9 +36,13 @@ const TWINS: u64 = 6;
 /// Least that an effect must explain, in units of minus twice the log-likelihood: less is what a
 /// friction law slightly other than ours leaves in a log in which nothing is missing.
 pub const LEAST_GAIN: f64 = 60.0;
+/// A gain below which an effect has to make the samples that no fit has seen likelier as well.
+pub const WEAK: f64 = 5.0 * LEAST_GAIN;
 /// Times the expected noise from which on a refitted nominal is lost: no linear step from there
 /// can be believed.
 const LOST: f64 = 10.0;
+/// Times the expected noise from which on a push is tried first.
+const ADRIFT: f64 = 100.0;
 /// Times the expected noise from which on something is missing even if no score says what.
 const DOUBTED: f64 = 3.0;
 /// Times the expected noise below which nothing is left to explain.
@@ -190,24 +194,33 @@ pub fn search(
 
 /// How many times the noise that is expected the fit needs.
 fn excess(search: &Search) -> f64 {
-    let (noise, expected) = (&search.after.fit.noise, &search.expected);
-    (noise.torque / expected.torque).max(noise.drive / expected.drive)
+    search.after.fit.noise.times(&search.expected)
 }
 
-/// Adds the best name of the plain test, if that explains the log; else what explains more of it: that
-/// name, or the best beside a push. A push takes with it what changes slowly, a lost fit bends to what
-/// is large.
+/// Adds the best name of the plain test or the best beside a push, whichever explains more of the
+/// log; the second is not asked where the first leaves only noise. A push takes with it what changes
+/// slowly, a lost fit bends to what is large; one far adrift tells nothing, but for want of better.
 fn add_either(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
-    let mut beside = search.clone();
-    let plain = add_settled(problem, search, round)?;
-    if plain && excess(search) < CALM {
+    let adrift = excess(search) > ADRIFT;
+    let mut other = search.clone();
+    let add = |search: &mut Search, protected: bool| match protected {
+        true => add_protected(problem, search, round),
+        false => add_settled(problem, search, round),
+    };
+    let first = add(search, adrift)?;
+    if first && (adrift || excess(search) < CALM) {
         return Ok(true);
     }
-    let protected = add_protected(problem, &mut beside, round)?;
-    if protected && (!plain || cost(&beside.after.fit) < cost(&search.after.fit)) {
-        *search = beside;
+    let second = add(&mut other, !adrift)?;
+    if second && (!first || cost(&other.after.fit) < cost(&search.after.fit)) {
+        *search = other;
     }
-    Ok(plain || protected)
+    Ok(first || second)
+}
+
+/// Whether a fit needs little more noise than is expected.
+pub fn calm(noise: &Noise, expected: &Noise) -> bool {
+    noise.times(expected) < CALM
 }
 
 /// Adds the best name; looks again where that only showed that the base could be fitted better.
@@ -324,6 +337,10 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     }
     let mut stages = full.into_iter().map(|(_, stage)| stage);
     let Some(won) = stages.next() else { return Ok(Look::Nothing) };
+    let plain = Fit { noise, ..base.fit.clone() };
+    if winner.gain < WEAK && !holds(problem, &plain, &won.fit)? {
+        return Ok(Look::Nothing);
+    }
     // A winner may owe its gain to a better fit of all the rest: then the base gets that fit as well.
     let place = base.fit.model.effects.len();
     let start = without(&won.fit.model, place);
@@ -362,6 +379,14 @@ fn believable(model: &Model, record: &Record) -> bool {
     let falling =
         effect.kind == Kind::TorqueSaturation && effect.values[0] < largest_current(record);
     inside && !falling && !(ahead && model.stages.is_empty())
+}
+
+/// Whether a fit makes the samples that none has seen likelier than another, the simpler one.
+pub fn holds(problem: Problem<'_>, simpler: &Fit, fit: &Fit) -> Result<bool, BuildError> {
+    let unseen: Vec<f64> = problem.mask.iter().map(|seen| 1.0 - seen).collect();
+    let unseen = Problem { mask: &unseen, ..problem };
+    let deviance = |fit: &Fit| unseen.design(&fit.model, &fit.noise).map(|run| run.deviance);
+    Ok(deviance(fit)? <= deviance(simpler)?)
 }
 
 /// The largest current that a record shows, A; zero where it shows none.

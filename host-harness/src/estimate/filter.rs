@@ -8,14 +8,14 @@
 
 use std::borrow::Cow;
 
+use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
 use crate::estimate::late::Late;
-use crate::estimate::record::{CHANNELS, Channel, Record};
+use crate::estimate::record::{CATCH, CHANNELS, Channel, Record};
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
 
-/// Samples over which a speed is taken behind a gap, and how much less is known there than at rest.
-const CATCH: usize = 8;
+/// How much less is known of a joint in motion than at rest.
 const UNKNOWN: f64 = 10.0;
 
 /// A joint seen through its sensors.
@@ -94,7 +94,8 @@ impl<'a> Observer<'a> {
             states: Vec::with_capacity(samples),
             deviance: 0.0,
         };
-        let (mut x, mut p) = (Vec::new(), Vec::new());
+        let mut x = Vec::new();
+        let mut p = Covariance::independent(std::iter::empty());
         let mut scratch = Scratch::new(order);
         for k in 0..samples {
             if self.record.starts.contains(&k) {
@@ -109,9 +110,7 @@ impl<'a> Observer<'a> {
                 }
                 let row = &mut scratch.row;
                 self.sensitivity(channel, walks, row);
-                for a in 0..order {
-                    scratch.column[a] = (0..order).map(|b| p[a * order + b] * row[b]).sum::<f64>();
-                }
+                p.times(row, &mut scratch.column);
                 let sensor = noise.sensors[c];
                 let variance = dot(row, &scratch.column) + sensor * sensor;
                 let weight = 1.0 / variance.sqrt();
@@ -125,12 +124,7 @@ impl<'a> Observer<'a> {
                     *slot = column * weight;
                     *x += *slot * error;
                 }
-                for a in 0..order {
-                    let gain = scratch.column[a] * weight * weight;
-                    for b in 0..order {
-                        p[a * order + b] -= gain * scratch.column[b];
-                    }
-                }
+                p.add_square(-weight * weight, &scratch.column);
             }
             run.states.push(x.clone());
             if k + 1 < samples {
@@ -179,7 +173,7 @@ impl<'a> Observer<'a> {
         innovations
     }
 
-    /// The joint where a log begins: at rest, or after a gap in the motion that its encoder shows.
+    /// The joint where a log begins: at rest, or in the motion that its encoder shows.
     fn start(&self, k: usize, order: usize) -> Vec<f64> {
         let mut x = vec![0.0; order];
         let angle = self.late.measured[k][Channel::Motor as usize];
@@ -196,7 +190,7 @@ impl<'a> Observer<'a> {
         x
     }
 
-    /// Speed that the encoder shows behind a gap, rad/s; zero where a log begins.
+    /// Speed that the encoder shows of a joint in motion, rad/s; zero where it begins at rest.
     fn speed_at(&self, k: usize) -> f64 {
         if !self.record.cuts.contains(&k) {
             return 0.0;
@@ -207,21 +201,16 @@ impl<'a> Observer<'a> {
         if speed.is_finite() { speed } else { 0.0 }
     }
 
-    fn start_covariance(&self, k: usize, walks: &[Walk]) -> Vec<f64> {
-        let sigmas = self.start_sigma.iter().copied().chain(walks.iter().map(|walk| walk.initial));
-        let order = self.layout.len() + walks.len();
-        let mut p = vec![0.0; order * order];
-        for (k, sigma) in sigmas.enumerate() {
-            p[k * order + k] = sigma * sigma;
-        }
-        if self.record.cuts.contains(&k) {
-            // Nothing but the encoder is known of a joint in motion.
-            let n = self.layout.len();
-            for j in (0..n).filter(|j| *j != Layout::ANGLE) {
-                p[j * order + j] *= UNKNOWN * UNKNOWN;
-            }
-        }
-        p
+    fn start_covariance(&self, k: usize, walks: &[Walk]) -> Covariance {
+        let n = self.layout.len();
+        // Nothing but the encoder is known of a joint in motion.
+        let cut = self.record.cuts.contains(&k);
+        let sigma = |state: usize| match self.start_sigma.get(state) {
+            Some(sigma) if cut && state != Layout::ANGLE => UNKNOWN * sigma,
+            Some(sigma) => *sigma,
+            None => walks[state - n].initial,
+        };
+        Covariance::independent((0..n + walks.len()).map(sigma))
     }
 
     /// What a sensor shows of a state.
@@ -348,7 +337,7 @@ impl<'a> Observer<'a> {
         &self,
         k: usize,
         x: &mut [f64],
-        p: &mut [f64],
+        p: &mut Covariance,
         noise: &Noise,
         walks: &[Walk],
         along: &Linearisation,
@@ -387,30 +376,13 @@ impl<'a> Observer<'a> {
             f[(n + j) * order + n + j] = 1.0;
         }
         self.advance(k, x, walks);
-        // P <- F P F' + Q
-        let half = &mut scratch.half;
-        half.fill(0.0);
-        for (f, half) in f.chunks_exact(order).zip(half.chunks_exact_mut(order)) {
-            for (f, p) in f.iter().zip(p.chunks_exact(order)).filter(|(f, _)| **f != 0.0) {
-                for (half, p) in half.iter_mut().zip(p) {
-                    *half += f * p;
-                }
-            }
-        }
-        for i in 0..order {
-            for j in 0..=i {
-                let mut sum =
-                    dot(&half[i * order..(i + 1) * order], &f[j * order..(j + 1) * order]);
-                if i < n && j < n {
-                    sum += noise.drive * noise.drive * by_drive[i] * by_drive[j]
-                        + noise.torque * noise.torque * kick[i] * kick[j];
-                }
-                p[i * order + j] = sum;
-                p[j * order + i] = sum;
-            }
-        }
+        p.carry(f);
+        scratch.column.fill(0.0);
+        scratch.column[..n].copy_from_slice(by_drive);
+        p.add_square(noise.drive * noise.drive, &scratch.column);
+        p.add_square(noise.torque * noise.torque, kick);
         for (j, walk) in walks.iter().enumerate() {
-            p[(n + j) * order + n + j] += walk.rate * walk.rate * interval;
+            p.add_variance(n + j, walk.rate * walk.rate * interval);
         }
     }
 }
@@ -421,7 +393,6 @@ struct Scratch {
     moved: Vec<f64>,
     kick: Vec<f64>,
     transition: Vec<f64>,
-    half: Vec<f64>,
 }
 
 impl Scratch {
@@ -432,7 +403,6 @@ impl Scratch {
             moved: vec![0.0; order],
             kick: vec![0.0; order],
             transition: vec![0.0; order * order],
-            half: vec![0.0; order * order],
         }
     }
 

@@ -35,6 +35,13 @@ pub struct Noise {
     pub sensors: [f64; CHANNELS],
 }
 
+impl Noise {
+    /// How many times what is expected the drive or the rotor needs, whichever needs more.
+    pub fn times(&self, expected: &Noise) -> f64 {
+        (self.torque / expected.torque).max(self.drive / expected.drive)
+    }
+}
+
 /// The filter's gains along a record, and the scale of its innovations.
 #[derive(Clone, Debug)]
 pub struct Gains {

@@ -8,6 +8,7 @@
 
 pub mod adjoint;
 pub mod coordinates;
+mod covariance;
 pub mod filter;
 pub mod fit;
 pub mod gains;

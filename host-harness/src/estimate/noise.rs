@@ -16,6 +16,17 @@ use crate::plant::BuildError;
 use joint_core::joint::Drive;
 use joint_core::per_unit::Bases;
 
+/// Steps of the search, in the logarithm of a noise: the first, and the largest where it goes far.
+const FIRST_STRIDE: f64 = 0.8;
+const LARGEST_STRIDE: f64 = 3.2;
+/// Most that drive and rotor are taken to scatter, in the logarithm of what is expected: a filter that
+/// believes its model any less learns nothing from it.
+const MOST: f64 = 6.0;
+/// Most rounds of it.
+const MOST_ROUNDS: usize = 8;
+/// What a parabola must promise of minus twice the log-likelihood for its lowest point to be tried.
+const WORTH: f64 = 0.5;
+
 /// One noise that can be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Knob {
@@ -92,8 +103,8 @@ pub fn refine_along(
     };
     let mut noise = *start;
     let mut best = cost(&noise)?;
-    let mut stride = 0.8;
-    for _ in 0..8 {
+    let mut stride = FIRST_STRIDE;
+    for _ in 0..MOST_ROUNDS {
         if interrupt::asked() {
             break;
         }
@@ -102,18 +113,25 @@ pub fn refine_along(
             let here = get(&noise, knob.which).ln();
             let moved = |shift: f64| {
                 let mut moved = noise;
-                set(&mut moved, knob.which, (here + shift).exp());
+                let most = if knob.which < 2 { knob.expected + MOST } else { f64::INFINITY };
+                set(&mut moved, knob.which, (here + shift).min(most).exp());
                 moved
             };
             let (high, low) = rayon::join(|| cost(&moved(stride)), || cost(&moved(-stride)));
-            let (high, low) = (high?, low?);
+            let mut trials = vec![(high?, stride), (low?, -stride)];
+            let [(high, _), (low, _)] = trials[..] else { continue };
             // The parabola through three points, kept within twice the stride.
             let bend = high + low - 2.0 * best;
-            let mut shift = if high < low { 2.0 * stride } else { -2.0 * stride };
+            let slope = low - high;
+            let mut shift = if slope > 0.0 { 2.0 * stride } else { -2.0 * stride };
+            let mut promised = f64::INFINITY;
             if bend > 0.0 {
-                shift = (0.5 * stride * (low - high) / bend).clamp(-2.0 * stride, 2.0 * stride);
+                shift = (0.5 * stride * slope / bend).clamp(-2.0 * stride, 2.0 * stride);
+                promised = slope * slope / (8.0 * bend) - (best - high.min(low)).max(0.0);
             }
-            let trials = [(cost(&moved(shift))?, shift), (high, stride), (low, -stride)];
+            if promised > WORTH {
+                trials.push((cost(&moved(shift))?, shift));
+            }
             let chosen = trials.iter().min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((lower, shift)) = chosen.filter(|(trial, _)| *trial < best) {
                 noise = moved(*shift);
@@ -126,6 +144,8 @@ pub fn refine_along(
         }
         if farthest < stride {
             stride *= 0.5;
+        } else if farthest > 1.5 * stride {
+            stride = (2.0 * stride).min(LARGEST_STRIDE);
         }
     }
     Ok(noise)

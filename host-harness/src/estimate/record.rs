@@ -59,6 +59,12 @@ pub struct Record {
     pub cuts: Vec<usize>,
 }
 
+/// Samples over which a speed is taken where a joint may be in motion.
+pub(super) const CATCH: usize = 8;
+/// Smallest steps of an encoder that a joint goes in as many samples for its motion to be told from
+/// one that begins.
+const SHOWN: f64 = 6.0;
+
 /// Stretches into which a record too long is thinned.
 const STRETCHES: usize = 4;
 
@@ -125,9 +131,10 @@ impl Record {
             .collect();
         let grid = Grid::new(&log.time_s, micro_steps);
         let gap = GAP * grid.typical_interval();
-        let cuts: Vec<usize> =
-            (1..n).filter(|k| log.time_s[*k] - log.time_s[k - 1] > gap).collect();
-        let starts = std::iter::once(0).chain(cuts.iter().copied()).collect();
+        let gaps = (1..n).filter(|k| log.time_s[*k] - log.time_s[k - 1] > gap);
+        let starts: Vec<usize> = std::iter::once(0).chain(gaps).collect();
+        let rests = !moves_at_once(&log.motor_angle_rad);
+        let cuts = starts[usize::from(rests)..].to_vec();
         Self {
             time_s: log.time_s.clone(),
             drive,
@@ -232,6 +239,19 @@ fn joined(before: Option<Vec<f64>>, after: Option<Vec<f64>>) -> Option<Vec<f64>>
     Some(whole)
 }
 
+/// Whether an encoder shows a joint that moves already at its first sample: it then goes as far in the
+/// first half of a few samples as in the second, where from rest it goes a quarter.
+fn moves_at_once(angle_rad: &[f64]) -> bool {
+    let [Some(first), Some(half), Some(last)] = [0, CATCH / 2, CATCH].map(|k| angle_rad.get(k))
+    else {
+        return false;
+    };
+    let steps = angle_rad.windows(2).take(CATCH).map(|pair| (pair[1] - pair[0]).abs());
+    let count = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let (early, late) = (half - first, last - half);
+    early * late > 0.0 && (early + late).abs() > SHOWN * count && early.abs() > 0.6 * late.abs()
+}
+
 /// Missing inputs hold the last value.
 fn held(mut values: Vec<f64>) -> Vec<f64> {
     let mut last = 0.0;
@@ -272,6 +292,21 @@ mod tests {
             *time += 5e-3;
         }
         assert!(Record::new(&log, None).cuts.is_empty());
+    }
+
+    #[test]
+    fn a_log_that_begins_in_motion_is_told_from_one_that_begins_to_move() {
+        let begins = |angle: &dyn Fn(f64) -> f64| {
+            let mut log = log(1000);
+            log.motor_angle_rad =
+                (0..1000).map(|k| (angle(f64::from(k)) * 1e4).round() / 1e4).collect();
+            Record::new(&log, None).cuts == [0]
+        };
+        assert!(begins(&|k| 3e-4 * k));
+        assert!(begins(&|k| 1.0 - 2e-3 * k + 1e-5 * k * k));
+        assert!(!begins(&|k| 2e-4 * k * k));
+        assert!(!begins(&|k| 1e-5 * k));
+        assert!(!begins(&|_| 0.3));
     }
 
     #[test]

@@ -139,10 +139,14 @@ pub fn converge(
         if gained > WORTHWHILE {
             continue;
         }
-        if attempt + 1 == ATTEMPTS || !doubtful(&best.noise, expected) || origin.stages.is_empty() {
+        if attempt + 1 == ATTEMPTS || !doubtful(&best.noise, expected) {
             break;
         }
-        let moved = resettle(problem, origin, &best.model, &best.coordinates)?;
+        let mut moved = cooled(problem, origin, &best, expected)?;
+        if doubtful(&moved.noise, expected) && !origin.stages.is_empty() {
+            let from = if cost(&moved) < cost(&best) { &moved } else { &best };
+            moved = resettle(problem, origin, &from.model, &best.coordinates)?;
+        }
         if cost(&best) - cost(&moved) <= WORTHWHILE {
             break;
         }
@@ -151,9 +155,37 @@ pub fn converge(
     Ok(best)
 }
 
+/// Refits with trust that grows step by step, from where a fit is and from where its priors are, each
+/// with the effects that were found: noise that had swallowed what was missing holds parameters where
+/// they were bent to, and does not let go when it is missing no more.
+fn cooled(
+    problem: &Problem<'_>,
+    origin: &Model,
+    fit: &Fit,
+    expected: &Noise,
+) -> Result<Fit, BuildError> {
+    let anew = Model { effects: fit.model.effects.clone(), ..origin.clone() };
+    let fits = [&fit.model, &anew]
+        .into_par_iter()
+        .map(|start| {
+            let mut start = start.clone();
+            let mut loose = *expected;
+            for distrust in COOLING.into_iter().chain([DISTRUST]) {
+                let (drive, torque) = (distrust * expected.drive, distrust * expected.torque);
+                loose = Noise { drive, torque, ..fit.noise };
+                let rounds = COOLING_ROUNDS;
+                start = problem.fit(origin, &start, &fit.coordinates, &loose, rounds)?.model;
+            }
+            polish(problem, origin, &start, &fit.coordinates, expected, &loose)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let best = fits.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    Ok(best.unwrap_or_else(|| fit.clone()))
+}
+
 /// Whether a model asks for more noise than one believes.
 fn doubtful(noise: &Noise, expected: &Noise) -> bool {
-    noise.torque > DOUBTFUL * expected.torque || noise.drive > DOUBTFUL * expected.drive
+    noise.times(expected) > DOUBTFUL
 }
 
 /// Deviance and prior together: what fits are compared by.

@@ -5,7 +5,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
-use super::Scene;
+use super::{Scene, gravity};
 
 /// Orders that become hypotheses.
 const KEPT: usize = 3;
@@ -28,7 +28,8 @@ fn orders(scene: &Scene<'_>, count: usize) -> Vec<f64> {
     family.highest = scene.highest_order(family.turns());
     let resolution = family.resolution();
     let mut orders = family.strongest(count + 8);
-    orders.retain(|order| !taken(scene, *order, resolution));
+    let hangs = gravity::own_line(scene.model);
+    orders.retain(|order| !(taken(scene, *order, resolution) || hangs && *order == 1.0));
     orders.truncate(count);
     orders
 }

@@ -5,6 +5,7 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use crate::model::Model;
 
 pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let stages = scene.model.stages.len();
@@ -12,9 +13,19 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     if scene.model.load.gravity_nm != 0.0 || scene.has(Kind::Gravity, place) {
         return Vec::new();
     }
-    let scale = 0.1 * scene.torque_scale() / scene.shaft(stages).abs();
-    vec![Hypothesis {
+    vec![pull(place, 0.1 * scene.torque_scale() / scene.shaft(stages).abs())]
+}
+
+/// A pull that is not there yet; it matters from `scale` on, in Nm at its place.
+pub(in super::super) fn pull(place: Location, scale: f64) -> Hypothesis {
+    Hypothesis {
         start: EffectParameters::new(Kind::Gravity, place),
         free: vec![Free::Phasor { amplitude: 0, scale, sigma: 100.0 }],
-    }]
+    }
+}
+
+/// Whether a line of order one of the rotor's angle is a pull of gravity that the model has not.
+pub(in super::super) fn own_line(model: &Model) -> bool {
+    let has = model.effects.iter().any(|effect| effect.kind == Kind::Gravity);
+    model.stages.is_empty() && model.load.gravity_nm == 0.0 && !has
 }

@@ -11,7 +11,7 @@ mod current_gain;
 mod current_offset;
 mod dead_time;
 mod encoder_eccentricity;
-mod gravity;
+pub(super) mod gravity;
 mod hardening_stiffness;
 mod load_dependent_friction;
 mod lubricant_warming;
