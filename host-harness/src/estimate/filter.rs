@@ -174,13 +174,18 @@ impl<'a> Observer<'a> {
     }
 
     /// The joint where a log begins: at rest, or in the motion that its encoder shows.
-    fn start(&self, k: usize, order: usize) -> Vec<f64> {
+    pub(super) fn start(&self, k: usize, order: usize) -> Vec<f64> {
         let mut x = vec![0.0; order];
         let angle = self.late.measured[k][Channel::Motor as usize];
-        if angle.is_finite() {
-            x[Layout::ANGLE] = angle;
-        }
         let speed = self.speed_at(k);
+        if angle.is_finite() {
+            // Where the encoder shows this angle, not where it would stand without its errors.
+            let mut there = angle;
+            for _ in 0..2 {
+                there = angle - self.plant.encoder_error(false, there, speed);
+            }
+            x[Layout::ANGLE] = there;
+        }
         if speed != 0.0 {
             for mass in 0..=self.layout.stages {
                 x[self.layout.speed(mass)] = speed;

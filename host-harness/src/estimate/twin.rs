@@ -30,14 +30,12 @@ pub fn twin(
     let late = Late::of(model, record).samples;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
-    let mut state = vec![0.0; layout.len()];
+    let mut state = Vec::new();
     let mut twin = record.clone();
     let count = Channel::ALL.map(|channel| 12.0_f64.sqrt() * noise.sensors[channel as usize]);
     for k in 0..record.len() {
         if record.starts.contains(&k) {
-            state.fill(0.0);
-            let angle = record.measured[k][Channel::Motor as usize];
-            state[Layout::ANGLE] = if angle.is_finite() { angle } else { 0.0 };
+            state = observer.start(k, layout.len());
         }
         for channel in Channel::ALL {
             let c = channel as usize;
