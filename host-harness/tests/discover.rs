@@ -128,3 +128,38 @@ fn behind_a_gap_the_filter_starts_anew_in_the_motion_that_the_encoder_shows() {
     let naive = per_sample(&broken, true);
     assert!(naive > 2.0 * gapped, "a gap bridged by the model alone: {naive} beside {gapped}");
 }
+
+#[test]
+fn a_log_may_begin_in_motion_and_behind_an_eccentric_encoder() {
+    let mut truth = perturbed(&actuator(), 61);
+    let hidden = EffectParameters::new(Kind::EncoderEccentricity, Location::Encoder)
+        .with("amplitude_rad", 0.02)
+        .with("phase_rad", 1.4);
+    truth.effects.push(hidden);
+    let log = record(&truth, &experiment(), 62).unwrap();
+    let mut moving = log.clone();
+    let cut = |values: &mut Vec<f64>| drop(values.drain(..700));
+    cut(&mut moving.time_s);
+    cut(&mut moving.motor_angle_rad);
+    for values in [&mut moving.voltage_v, &mut moving.current_a, &mut moving.output_angle_rad] {
+        values.iter_mut().for_each(cut);
+    }
+    let at_first = |log: &Log, begins_at_rest: bool| {
+        let mut record = Record::new(log, None);
+        assert_eq!(record.cuts.is_empty(), begins_at_rest);
+        let mask: Vec<f64> = (0..record.len()).map(|k| f64::from(u8::from(k < 100))).collect();
+        let noise = expected(&truth, &record);
+        let per_sample = |record: &Record| {
+            let problem = Problem::new(record, &mask);
+            let innovations = problem.design(&truth, &noise).unwrap().innovations;
+            problem.sum_of_squares(&innovations) / 100.0
+        };
+        let own = per_sample(&record);
+        record.cuts.clear();
+        (own, per_sample(&record))
+    };
+    let (from_rest, _) = at_first(&log, true);
+    let (moving, naive) = at_first(&moving, false);
+    assert!(from_rest < 5.0, "{from_rest}");
+    assert!(moving < 5.0 && naive > 3.0 * moving, "{moving}, from rest {naive}");
+}

@@ -16,7 +16,8 @@ use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
-    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, calm, holds, threshold, title,
+    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
+    bared, calm, holds, threshold, title,
 };
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -131,9 +132,21 @@ pub fn add_protected(
     if winner.gain < LEAST_GAIN || winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit)? {
         return Ok(false);
     }
-    let (rivals, mut beaten): (Vec<_>, Vec<_>) = tried.unzip();
+    let plain = bared(&problem, &base, &stage, &expected)?;
+    let owed = gained(&base, &plain.fit).max(0.0);
+    if owed > 0.0 && search.rounds.is_empty() {
+        search.before = plain.clone();
+    }
+    if winner.gain - owed < LEAST_GAIN {
+        search.after = plain;
+        return if owed < WORTH_ANOTHER { Ok(false) } else { add_settled(problem, search, round) };
+    }
+    let less = |contender: Contender| Contender { gain: contender.gain - owed, ..contender };
+    let (rivals, mut beaten): (Vec<_>, Vec<_>) =
+        tried.map(|(rival, stage)| (less(rival), stage)).unzip();
     let runner_up = (!beaten.is_empty()).then(|| beaten.swap_remove(0));
-    search.rounds.push(Round { name: winner.name, gain: winner.gain, rivals, runner_up });
+    let gain = winner.gain - owed;
+    search.rounds.push(Round { name: winner.name, gain, rivals, runner_up });
     search.after = stage;
     Ok(true)
 }

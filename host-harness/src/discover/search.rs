@@ -48,7 +48,7 @@ const DOUBTED: f64 = 3.0;
 /// Times the expected noise below which nothing is left to explain.
 const CALM: f64 = 1.5;
 /// What a base must owe to its challengers for the round to be worth another look.
-const WORTH_ANOTHER: f64 = 20.0;
+pub const WORTH_ANOTHER: f64 = 20.0;
 /// Looks at one round.
 const LOOKS: usize = 3;
 /// Share of the best short refit's gain from which on a name gets a full one.
@@ -207,15 +207,16 @@ fn add_either(problem: Problem<'_>, search: &mut Search, round: usize) -> Result
         true => add_protected(problem, search, round),
         false => add_settled(problem, search, round),
     };
-    let first = add(search, adrift)?;
-    if first && (adrift || excess(search) < CALM) {
-        return Ok(true);
+    if !add(search, adrift)? {
+        return add(search, !adrift);
     }
-    let second = add(&mut other, !adrift)?;
-    if second && (!first || cost(&other.after.fit) < cost(&search.after.fit)) {
-        *search = other;
+    if !adrift && excess(search) >= CALM {
+        let added = add(&mut other, true)?;
+        if added && cost(&other.after.fit) < cost(&search.after.fit) {
+            *search = other;
+        }
     }
-    Ok(first || second)
+    Ok(true)
 }
 
 /// Whether a fit needs little more noise than is expected.
@@ -224,7 +225,7 @@ pub fn calm(noise: &Noise, expected: &Noise) -> bool {
 }
 
 /// Adds the best name; looks again where that only showed that the base could be fitted better.
-fn add_settled(
+pub fn add_settled(
     problem: Problem<'_>,
     search: &mut Search,
     round: usize,
@@ -341,15 +342,10 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     if winner.gain < WEAK && !holds(problem, &plain, &won.fit)? {
         return Ok(Look::Nothing);
     }
-    // A winner may owe its gain to a better fit of all the rest: then the base gets that fit as well.
-    let place = base.fit.model.effects.len();
-    let start = without(&won.fit.model, place);
-    let (moved, noise) = (&base.fit.coordinates, &won.fit.noise);
-    let plain = refit::polish(&problem, &base.origin, &start, moved, &search.expected, noise)?;
-    let owed = (level - cost(&plain)).max(0.0);
+    let plain = bared(&problem, &base, &won, &search.expected)?;
+    let owed = (level - cost(&plain.fit)).max(0.0);
     let (winner, rivals) = (winner.gain - owed, rivals.to_vec());
     if owed > 0.0 {
-        let plain = Stage { fit: plain, origin: base.origin };
         if search.rounds.is_empty() {
             search.before = plain.clone();
         }
@@ -364,6 +360,20 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     search.rounds.push(Round { name: contenders[0].name, gain: winner, rivals, runner_up });
     search.after = won;
     Ok(Look::Added)
+}
+
+/// A base refitted from where a model with one more effect stands: a name may owe its gain to a better
+/// fit of all the rest, and then the base is to have that fit as well.
+pub fn bared(
+    problem: &Problem<'_>,
+    base: &Stage,
+    won: &Stage,
+    expected: &Noise,
+) -> Result<Stage, BuildError> {
+    let start = without(&won.fit.model, base.fit.model.effects.len());
+    let (moved, noise) = (&base.fit.coordinates, &won.fit.noise);
+    let fit = refit::polish(problem, &base.origin, &start, moved, expected, noise)?;
+    Ok(Stage { fit, origin: base.origin.clone() })
 }
 
 /// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
