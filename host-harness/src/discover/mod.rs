@@ -11,6 +11,7 @@ pub mod force;
 pub mod gate;
 pub mod hypothesis;
 pub mod lines;
+mod needless;
 pub mod next_experiment;
 pub mod protected;
 pub mod score_test;

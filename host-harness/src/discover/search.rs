@@ -17,12 +17,12 @@ use super::candidates::{self, Scene};
 use super::contradiction::contradiction;
 use super::findings::ScoreRow;
 use super::hypothesis::Hypothesis;
+use super::needless::{drop_needless, without};
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::noise;
-use crate::estimate::parameters::Quantity;
 use crate::estimate::record::{Channel, Record};
 use crate::estimate::refit::{self, cost};
 use crate::interrupt;
@@ -119,10 +119,15 @@ impl Search {
             return false;
         }
         let Some(against) = contradiction(model, record) else { return true };
+        self.contradicted(against);
+        false
+    }
+
+    /// Keeps what speaks against a kind, once.
+    pub(super) fn contradicted(&mut self, against: (Kind, String)) {
         if !self.contradictions.iter().any(|(kind, _)| *kind == against.0) {
             self.contradictions.push(against);
         }
-        false
     }
 }
 
@@ -174,7 +179,7 @@ pub fn search(
         return Ok(search);
     }
     bar.set_message("trying to do without");
-    drop_needless(problem, &mut search)?;
+    drop_needless(problem, &mut search, false)?;
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
         let Stage { fit, origin } = &search.after;
@@ -187,6 +192,7 @@ pub fn search(
         if cost(&settled) < cost(fit) {
             search.after = Stage { fit: settled, origin: origin.clone() };
         }
+        drop_needless(problem, &mut search, true)?;
     }
     bar.inc(1);
     Ok(search)
@@ -443,49 +449,6 @@ pub fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
     let mean = best.iter().sum::<f64>() / count;
     let spread = (best.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / count).sqrt();
     mean + 6.0 * spread
-}
-
-/// Drops effects, the first added first, that the others have made needless.
-fn drop_needless(problem: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
-    let added = search.before.origin.effects.len();
-    let mut k = 0;
-    while search.rounds.len() > 1 && k < search.rounds.len() {
-        let place = added + k;
-        let mut origin = search.after.origin.clone();
-        origin.effects.remove(place);
-        let start = without(&search.after.fit.model, place);
-        let coordinates: Vec<_> =
-            search.after.fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
-        let noise = search.after.fit.noise;
-        let fit = refit::polish(&problem, &origin, &start, &coordinates, &search.expected, &noise)?;
-        if cost(&fit) - cost(&search.after.fit) < LEAST_GAIN {
-            search.after = Stage { fit, origin };
-            search.rounds.remove(k);
-        } else {
-            k += 1;
-        }
-    }
-    Ok(())
-}
-
-/// A model without one of its effects, as near as parameters can bring it.
-fn without(model: &Model, place: usize) -> Model {
-    let mut left = model.clone();
-    let gone = left.effects.remove(place);
-    if gone.kind == Kind::CurrentGain {
-        // A gain is a symmetry: the same currents are shown by a smaller winding and larger torques.
-        let shift = (1.0 + gone.values[0]).ln();
-        for quantity in Quantity::of(&left, Drive::Voltage) {
-            match quantity {
-                Quantity::Resistance | Quantity::Inductance => quantity.shift(&mut left, -shift),
-                Quantity::TorqueConstant
-                | Quantity::StribeckVelocity(_)
-                | Quantity::GravityPhase => {}
-                _ => quantity.shift(&mut left, shift),
-            }
-        }
-    }
-    left
 }
 
 /// A name as it is shown.
