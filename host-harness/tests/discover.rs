@@ -1,5 +1,7 @@
 //! Discovery on logs made by the reference from a joint whose truth is known.
 
+use std::ops::Range;
+
 use host_harness::demo::{actuator, riddle};
 use host_harness::discover::discover;
 use host_harness::discover::findings::{Answer, Findings};
@@ -21,6 +23,17 @@ fn experiment() -> Experiment {
 
 fn found(nominal: &Model, log: Log) -> Findings {
     discover(nominal, &[log], &ProgressBar::hidden()).unwrap()
+}
+
+fn without(log: &Log, samples: Range<usize>) -> Log {
+    let mut left = log.clone();
+    let cut = |values: &mut Vec<f64>| drop(values.drain(samples.clone()));
+    cut(&mut left.time_s);
+    cut(&mut left.motor_angle_rad);
+    for values in [&mut left.voltage_v, &mut left.current_a, &mut left.output_angle_rad] {
+        values.iter_mut().for_each(cut);
+    }
+    left
 }
 
 #[test]
@@ -104,13 +117,7 @@ fn every_seed_of_the_demonstration_hides_one_effect_of_a_believable_size() {
 fn behind_a_gap_the_filter_starts_anew_in_the_motion_that_the_encoder_shows() {
     let truth = perturbed(&actuator(), 51);
     let whole = record(&truth, &experiment(), 52).unwrap();
-    let mut broken = whole.clone();
-    let cut = |values: &mut Vec<f64>| drop(values.drain(700..1200));
-    cut(&mut broken.time_s);
-    cut(&mut broken.motor_angle_rad);
-    for values in [&mut broken.voltage_v, &mut broken.current_a, &mut broken.output_angle_rad] {
-        values.iter_mut().for_each(cut);
-    }
+    let broken = without(&whole, 700..1200);
     let per_sample = |log: &Log, pretend: bool| {
         let mut record = Record::new(log, None);
         if pretend {
@@ -137,13 +144,7 @@ fn a_log_may_begin_in_motion_and_behind_an_eccentric_encoder() {
         .with("phase_rad", 1.4);
     truth.effects.push(hidden);
     let log = record(&truth, &experiment(), 62).unwrap();
-    let mut moving = log.clone();
-    let cut = |values: &mut Vec<f64>| drop(values.drain(..700));
-    cut(&mut moving.time_s);
-    cut(&mut moving.motor_angle_rad);
-    for values in [&mut moving.voltage_v, &mut moving.current_a, &mut moving.output_angle_rad] {
-        values.iter_mut().for_each(cut);
-    }
+    let moving = without(&log, 0..700);
     let at_first = |log: &Log, begins_at_rest: bool| {
         let mut record = Record::new(log, None);
         assert_eq!(record.cuts.is_empty(), begins_at_rest);
