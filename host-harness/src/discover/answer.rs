@@ -266,7 +266,7 @@ fn blind(model: &Model, record: &Record) -> bool {
     !model.stages.is_empty() && !record.has(Channel::Output)
 }
 
-/// Which samples neither fit nor choice sees: whole blocks of every log.
+/// Which samples no fit sees, nor any choice but that of a weak name: whole blocks of every log.
 fn held_out(record: &Record) -> Vec<bool> {
     let mut held = vec![false; record.len()];
     for (number, start) in record.starts.iter().enumerate() {

@@ -176,7 +176,7 @@ pub struct Findings {
     pub improved: Model,
     /// Sample times of the first log, s.
     pub time_s: Vec<f64>,
-    /// By sample: whether neither fit nor choice has seen it.
+    /// By sample: whether no fit has seen it.
     pub held_out: Vec<bool>,
     /// Prediction errors in noise sigmas by sample and channel (current, motor angle, output
     /// angle; NaN where not measured): the refitted nominal.
