@@ -61,7 +61,7 @@ pub struct Whereabouts {
     pub explained: f64,
 }
 
-/// How far predictions miss, on data that neither fit nor choice has seen.
+/// How far predictions miss, on data that no fit has seen, nor any choice but that of a weak name.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gap {
     /// The refitted nominal.

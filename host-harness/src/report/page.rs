@@ -135,8 +135,8 @@ fn orders(page: &mut String, findings: &Findings, up: &str) {
 fn residuals(page: &mut String, findings: &Findings) {
     let _ = writeln!(
         page,
-        "<h2>Prediction errors</h2>\n{LEGEND} <span class=\"key band\"></span> held out: neither \
-         fit nor choice has seen it</p>"
+        "<h2>Prediction errors</h2>\n{LEGEND} <span class=\"key band\"></span> held out: no \
+         fit has seen it</p>"
     );
     let bands = bands(&findings.time_s, &findings.held_out);
     for channel in csv::measured(findings) {
