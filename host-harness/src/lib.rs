@@ -25,4 +25,5 @@ pub mod scenario;
 pub mod score;
 pub mod simulated;
 pub mod synthetic;
+pub mod tangent;
 pub mod verb;

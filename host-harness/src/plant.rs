@@ -15,6 +15,7 @@ use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
 
 use crate::model::Model;
+use crate::tangent::{self, Constants, Tangent};
 
 /// Most stages a model has.
 pub const MAX_STAGES: usize = 6;
@@ -96,6 +97,11 @@ pub trait Plant: Send + Sync {
     fn encoder_error(&self, output: bool, angle: f64, speed: f64) -> f64;
     /// Micro-steps in the interval after sample `k`.
     fn micro_steps(&self, k: usize) -> u32;
+    /// The constants of its joints, for the tangent of another.
+    fn constants(&self) -> Option<Constants>;
+    /// The plant with derivatives: those that plants show which stand a step apart each; `None` where
+    /// they differ by more than their numbers.
+    fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>>;
 }
 
 /// Where each quantity stands in a plant's state vector.
@@ -247,6 +253,14 @@ impl<const N: usize> Plant for Built<f64, N> {
 
     fn micro_steps(&self, k: usize) -> u32 {
         self.joint(k).micro_steps()
+    }
+
+    fn constants(&self) -> Option<Constants> {
+        tangent::constants(&self.joints)
+    }
+
+    fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>> {
+        tangent::tangent(&self.joints, &self.serves, apart)
     }
 }
 

@@ -396,6 +396,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         state.stages.get(stage).map_or(S::ZERO, |s| s.deflection.times(self.units.angle))
     }
 
+    /// What a deflection of one is, rad at the motor.
+    pub fn angle_unit(&self) -> S {
+        S::ONE.times(self.units.angle)
+    }
+
     /// Sets the current, A. Call [`Joint::refresh`] after the last change to a state.
     pub fn set_current(&self, state: &mut State<S, N>, amperes: f64) {
         state.current = S::from_f64(amperes * self.units.per_current);

@@ -94,6 +94,14 @@ impl Coordinate {
         }
     }
 
+    /// Which effect of the model it moves, if it does.
+    pub fn effect(&self) -> Option<usize> {
+        match *self {
+            Coordinate::Parameter(_) => None,
+            Coordinate::Effect { effect, .. } | Coordinate::Phasor { effect, .. } => Some(effect),
+        }
+    }
+
     /// The same coordinate in a model without its effect number `gone`; `None` if it is that
     /// effect's.
     pub fn without_effect(&self, gone: usize) -> Option<Self> {

@@ -12,22 +12,26 @@ use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
 use crate::estimate::late::Late;
 use crate::estimate::record::{CATCH, CHANNELS, Channel, Record};
+use crate::estimate::slopes::is_of_a_sensor;
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
+use crate::tangent::{LANES, Tangent};
 
 /// How much less is known of a joint in motion than at rest.
 const UNKNOWN: f64 = 10.0;
 
 /// A joint seen through its sensors.
 pub struct Observer<'a> {
-    plant: &'a dyn Plant,
+    pub(super) plant: &'a dyn Plant,
     pub(super) record: &'a Record,
     pub(super) layout: Layout,
-    shaft: f64,
+    pub(super) shaft: f64,
     inertia: Vec<f64>,
     start_sigma: Vec<f64>,
     steps: Vec<f64>,
-    late: Late<'a>,
+    pub(super) late: Late<'a>,
+    /// Whether the model's encoders err.
+    pub(super) sensor_errors: bool,
 }
 
 impl<'a> Observer<'a> {
@@ -66,7 +70,8 @@ impl<'a> Observer<'a> {
         }
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
-        Self { plant, record, layout, shaft, inertia, start_sigma, steps, late }
+        let sensor_errors = model.effects.iter().any(|effect| is_of_a_sensor(effect.kind));
+        Self { plant, record, layout, shaft, inertia, start_sigma, steps, late, sensor_errors }
     }
 
     /// Designs the gains along the record and runs it.
@@ -97,6 +102,9 @@ impl<'a> Observer<'a> {
         let mut x = Vec::new();
         let mut p = Covariance::independent(std::iter::empty());
         let mut scratch = Scratch::new(order);
+        let made = along.drive.len() >= samples.saturating_sub(1) * self.layout.len();
+        let tangent = (!made && self.layout.len() < LANES).then(|| self.plant.tangent(&[]));
+        let tangent = tangent.flatten();
         for k in 0..samples {
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
@@ -128,7 +136,7 @@ impl<'a> Observer<'a> {
             }
             run.states.push(x.clone());
             if k + 1 < samples {
-                self.linearise(k, &x, walks, along, &mut scratch);
+                self.linearise(k, &x, walks, along, (tangent.as_deref(), &mut scratch));
                 self.predict(k, &mut x, &mut p, noise, walks, along, &mut scratch);
             }
         }
@@ -302,18 +310,28 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Derivatives of the interval after sample `k`, by differences, unless they are there.
+    /// Derivatives of the interval after sample `k`, by the plant's tangent or by differences, unless
+    /// they are there.
     fn linearise(
         &self,
         k: usize,
         x: &[f64],
         walks: &[Walk],
         along: &mut Cow<'_, Linearisation>,
-        scratch: &mut Scratch,
+        (tangent, scratch): (Option<&dyn Tangent>, &mut Scratch),
     ) {
         let n = self.layout.len();
         if along.drive.len() >= (k + 1) * n {
             return;
+        }
+        if let Some(tangent) = tangent {
+            let pushed = |(walk, value): (&Walk, &f64)| match walk.equation {
+                Equation::Voltage => *value,
+                _ => 0.0,
+            };
+            let push: f64 = walks.iter().zip(&x[n..]).map(pushed).sum();
+            let drive = self.record.drive_values[k] + push;
+            return self.linearise_along(k, x, drive, tangent, along);
         }
         let along = along.to_mut();
         let base = scratch.moved(x);

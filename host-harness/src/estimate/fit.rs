@@ -181,8 +181,9 @@ impl<'a> Problem<'a> {
         )
     }
 
-    /// Derivative of the residual with each coordinate, by differences: one-sided from the residual
-    /// at the model if that is given, else central.
+    /// Derivative of the residual with each coordinate: by the joint's tangent, and by differences
+    /// where a coordinate changes more than the joint's numbers; those one-sided from the residual at
+    /// the model if that is given, else central.
     pub fn sensitivity(
         &self,
         model: &Model,
@@ -190,26 +191,38 @@ impl<'a> Problem<'a> {
         coordinates: &[Coordinate],
         here: Option<&DVector<f64>>,
     ) -> DMatrix<f64> {
-        let columns: Vec<DVector<f64>> = coordinates
-            .par_iter()
-            .map(|coordinate| {
-                let step = coordinate.difference_step();
-                let side = |step: f64| {
-                    let mut moved = model.clone();
-                    coordinate.shift(&mut moved, step);
-                    self.innovations(&moved, gains).map(|rows| self.residual(&rows))
-                };
-                let slope = match here {
-                    Some(here) => side(step).map(|up| (up - here) / step),
-                    None => side(step).and_then(|up| Ok((up - side(-step)?) / (2.0 * step))),
-                };
-                slope.unwrap_or_else(|_| DVector::zeros(self.record.len() * CHANNELS))
-            })
-            .collect();
+        let rows = self.record.len() * CHANNELS;
+        let mut columns = self.tangents(model, gains, coordinates);
+        columns.par_iter_mut().zip(coordinates).for_each(|(column, coordinate)| {
+            if column.is_none() {
+                *column = self.difference(model, gains, coordinate, here);
+            }
+        });
+        let columns: Vec<DVector<f64>> =
+            columns.into_iter().map(|c| c.unwrap_or_else(|| DVector::zeros(rows))).collect();
         if columns.is_empty() {
-            return DMatrix::zeros(self.record.len() * CHANNELS, 0);
+            return DMatrix::zeros(rows, 0);
         }
         DMatrix::from_columns(&columns)
+    }
+
+    fn difference(
+        &self,
+        model: &Model,
+        gains: &Gains,
+        coordinate: &Coordinate,
+        here: Option<&DVector<f64>>,
+    ) -> Option<DVector<f64>> {
+        let step = coordinate.difference_step();
+        let side = |step: f64| {
+            let mut moved = model.clone();
+            coordinate.shift(&mut moved, step);
+            self.innovations(&moved, gains).map(|rows| self.residual(&rows)).ok()
+        };
+        match here {
+            Some(here) => Some((side(step)? - here) / step),
+            None => Some((side(step)? - side(-step)?) / (2.0 * step)),
+        }
     }
 
     /// Fits from a start; `origin` is where the priors are centred.

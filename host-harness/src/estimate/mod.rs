@@ -18,4 +18,5 @@ pub mod parameters;
 pub mod record;
 pub mod refit;
 pub mod slope;
+mod slopes;
 pub mod twin;
