@@ -102,6 +102,8 @@ pub trait Plant: Send + Sync {
     /// The plant with derivatives: those that plants show which stand a step apart each; `None` where
     /// they differ by more than their numbers.
     fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>>;
+    /// Whether its constants move smoothly to those a step away and two.
+    fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool;
 }
 
 /// Where each quantity stands in a plant's state vector.
@@ -261,6 +263,10 @@ impl<const N: usize> Plant for Built<f64, N> {
 
     fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>> {
         tangent::tangent(&self.joints, &self.serves, apart)
+    }
+
+    fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool {
+        tangent::is_smooth(&self.joints, steps)
     }
 }
 

@@ -34,7 +34,7 @@ const BEYOND: f64 = 1e12;
 /// Names that are refitted until they gain nothing more, where none leaves only noise.
 const CONVERGED: usize = 3;
 /// Hypotheses that are fitted beside the push.
-const FITTED: usize = 5;
+const FITTED: usize = 8;
 
 /// Adds the effect that explains most beside a push, if it holds without it.
 ///

@@ -159,21 +159,17 @@ pub fn search(
         withdrawn: withdrawn.to_vec(),
         expected,
     };
-    for round in 1..=MOST_EFFECTS {
-        if interrupt::asked() {
-            break;
+    look(problem, &mut search, bar)?;
+    if search.rounds.is_empty() && !calm(&search.after.fit.noise, &search.expected) {
+        bar.set_message("refitting from elsewhere");
+        let Stage { fit, origin } = &search.after;
+        let again = refit::converge(&last, origin, fit.clone(), &search.expected)?;
+        if cost(fit) - cost(&again) > LEAST_GAIN {
+            let found = Stage { fit: again, origin: origin.clone() };
+            search.before = found.clone();
+            search.after = found;
+            look(problem, &mut search, bar)?;
         }
-        bar.inc(1);
-        bar.set_message(format!("looking for an effect, round {round}"));
-        let excess = excess(&search);
-        if excess > LOST && add_either(problem, &mut search, round)?
-            || excess <= LOST && add_settled(problem, &mut search, round)?
-            // Noise that swallows what is missing hides it from the plain test as well.
-            || excess > DOUBTED && excess <= LOST && add_protected(problem, &mut search, round)?
-        {
-            continue;
-        }
-        break;
     }
     if interrupt::asked() {
         return Ok(search);
@@ -196,6 +192,27 @@ pub fn search(
     }
     bar.inc(1);
     Ok(search)
+}
+
+/// Adds effects until no more is found.
+fn look(problem: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+    for round in 1..=MOST_EFFECTS {
+        if interrupt::asked() {
+            break;
+        }
+        bar.inc(1);
+        bar.set_message(format!("looking for an effect, round {round}"));
+        let excess = excess(search);
+        if excess > LOST && add_either(problem, search, round)?
+            || excess <= LOST && add_settled(problem, search, round)?
+            // Noise that swallows what is missing hides it from the plain test as well.
+            || excess > DOUBTED && excess <= LOST && add_protected(problem, search, round)?
+        {
+            continue;
+        }
+        break;
+    }
+    Ok(())
 }
 
 /// How many times the noise that is expected the fit needs.

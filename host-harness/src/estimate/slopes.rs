@@ -59,12 +59,16 @@ impl Problem<'_> {
                 if coordinate.effect().is_some_and(|e| is_of_a_sensor(model.effects[e].kind)) {
                     return None;
                 }
-                let mut moved = model.clone();
-                coordinate.shift(&mut moved, CONSTANTS_STEP);
-                let other = plant_of(&moved, &self.record.grid, self.record.drive);
-                let constants = other.ok()?.constants()?;
-                plant.tangent(&[(&constants, CONSTANTS_STEP)])?;
-                Some((number, constants, inertias(&moved)))
+                let moved = [1.0, 2.0].map(|steps| {
+                    let mut moved = model.clone();
+                    coordinate.shift(&mut moved, steps * CONSTANTS_STEP);
+                    moved
+                });
+                let constants = |model| plant_of(model, &self.record.grid, self.record.drive);
+                let [one, two] = moved.each_ref().map(|m| constants(m).ok()?.constants());
+                let (one, two) = (one?, two?);
+                let smooth = plant.moves_smoothly([&one, &two]);
+                smooth.then(|| (number, one, inertias(&moved[0])))
             })
             .collect();
         if moved.is_empty() {

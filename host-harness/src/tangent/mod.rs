@@ -55,6 +55,18 @@ pub(crate) fn tangent<const N: usize>(
     Some(Box::new(Built { joints, serves: serves.to_vec() }))
 }
 
+/// Whether joints move smoothly to others, a step away and two.
+pub(crate) fn is_smooth<const N: usize>(
+    joints: &[Joint<f64, N, EffectSet<f64>>],
+    [one, two]: [&Constants; 2],
+) -> bool {
+    let Some(here) = constants(joints) else { return false };
+    here.len() == one.len().min(two.len())
+        && here.iter().zip(one).zip(two).all(|((here, one), two)| {
+            weave::is_smooth::<Joint<Dual, N, EffectSet<Dual>>>(here, one, two)
+        })
+}
+
 struct Built<const N: usize> {
     joints: Vec<Woven<N>>,
     serves: Vec<u16>,

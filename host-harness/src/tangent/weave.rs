@@ -21,6 +21,10 @@ pub(super) fn constants<T: Serialize>(of: &T) -> Option<Vec<u8>> {
     postcard::to_extend(of, Vec::new()).ok()
 }
 
+/// Share by which the rates over one step and over two may differ, and what rounding makes of a number.
+const SMOOTH: f64 = 1e-3;
+const ROUNDING: f64 = 1e-14;
+
 /// Constants written down, and one over the step at which they stand from others.
 pub(super) type Apart<'a> = (&'a [u8], f64);
 
@@ -29,8 +33,14 @@ pub(super) type Apart<'a> = (&'a [u8], f64);
 /// # Errors
 /// The others are not alike: another number of laws, or another count of steps.
 pub(super) fn woven<T: DeserializeOwned>(base: &[u8], apart: &[Apart<'_>]) -> Result<T, Unlike> {
-    let mut threads = Threads { base, apart: apart.to_vec() };
+    let mut threads = Threads { base, apart: apart.to_vec(), agreeing: false };
     T::deserialize(&mut threads)
+}
+
+/// Whether constants move smoothly: by one step and by two at the same rate.
+pub(super) fn is_smooth<T: DeserializeOwned>(base: &[u8], one: &[u8], two: &[u8]) -> bool {
+    let mut threads = Threads { base, apart: vec![(one, 1.0), (two, 0.5)], agreeing: true };
+    T::deserialize(&mut threads).is_ok()
 }
 
 /// Constants that differ by more than numbers.
@@ -55,6 +65,8 @@ impl Error for Unlike {
 struct Threads<'a> {
     base: &'a [u8],
     apart: Vec<Apart<'a>>,
+    /// Whether the first two are to show the same derivatives.
+    agreeing: bool,
 }
 
 impl Threads<'_> {
@@ -104,6 +116,11 @@ impl Threads<'_> {
             let there = take(other)?;
             // What is infinite in both does not move.
             *slope = if there == here { 0.0 } else { (there - here) * *per_step };
+        }
+        let [_, one, two, ..] = parts;
+        let rounding = ROUNDING * here.abs();
+        if self.agreeing && (one - two).abs() > SMOOTH * one.abs().max(two.abs()) + rounding {
+            return Err(Unlike);
         }
         Ok(parts)
     }
