@@ -7,6 +7,7 @@ pub mod comb;
 mod contradiction;
 pub mod experiment;
 pub mod findings;
+mod followed;
 pub mod force;
 pub mod gate;
 pub mod hypothesis;

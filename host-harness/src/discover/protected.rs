@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::candidates::{self, Scene};
 use super::comb::{self, comb};
 use super::findings::ScoreRow;
+use super::followed::{Followed, followed};
 use super::hypothesis::Hypothesis;
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
@@ -34,7 +35,9 @@ const BEYOND: f64 = 1e12;
 /// Names that are refitted until they gain nothing more, where none leaves only noise.
 const CONVERGED: usize = 3;
 /// Hypotheses that are fitted beside the push.
-const FITTED: usize = 8;
+const FITTED: usize = 5;
+/// Names that the push follows which are fitted as large as it says.
+const FOLLOWED: usize = 3;
 
 /// Adds the effect that explains most beside a push, if it holds without it.
 ///
@@ -92,6 +95,25 @@ pub fn add_protected(
         let fit = refit::polish(&problem, &origin, model, moved, &expected, &wary)?;
         Ok((name, score, Stage { fit, origin }))
     };
+    let follows = followed(&problem, &protected.model, &wary, walk, &hypotheses)?;
+    fitted.extend(
+        follows
+            .into_iter()
+            .take(FOLLOWED)
+            .filter_map(|follows| {
+                let Followed { hypothesis, start, .. } = follows;
+                let name = hypothesis.name();
+                (!fitted.iter().any(|(known, ..)| *known == name)).then(|| {
+                    let mut origin = base.origin.clone();
+                    origin.effects.push(hypothesis.start);
+                    let mut coordinates = base.fit.coordinates.clone();
+                    coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+                    let fit = Fit { model: start, coordinates, ..protected.clone() };
+                    (name, 0.0, 0.0, Stage { fit, origin })
+                })
+            })
+            .collect::<Vec<_>>(),
+    );
     let alone = fitted.into_par_iter().map(alone).collect::<Result<Vec<_>, BuildError>>()?;
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (name, score, stage) in alone {

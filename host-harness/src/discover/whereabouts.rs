@@ -163,11 +163,15 @@ pub fn push_along(
 }
 
 /// The push of a run: its last state.
-fn of_push(run: &Run) -> Vec<f64> {
+pub(super) fn of_push(run: &Run) -> Vec<f64> {
     run.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect()
 }
 
-fn pushed(
+/// A run beside a push, whose value is each state's last.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn pushed(
     problem: &Problem<'_>,
     model: &Model,
     noise: &Noise,

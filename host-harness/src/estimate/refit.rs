@@ -158,7 +158,10 @@ pub fn converge(
 /// Refits with trust that grows step by step, from where a fit is and from where its priors are, each
 /// with the effects that were found: noise that had swallowed what was missing holds parameters where
 /// they were bent to, and does not let go when it is missing no more.
-fn cooled(
+///
+/// # Errors
+/// The model cannot be built.
+pub fn cooled(
     problem: &Problem<'_>,
     origin: &Model,
     fit: &Fit,

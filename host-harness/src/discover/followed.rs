@@ -1,0 +1,161 @@
+//! Names that a push follows.
+//!
+//! A push that wanders takes with it whatever is large and changes slowly, and a score beside it sees
+//! nothing of that. But the push itself shows it: laid against what each effect would do on the same
+//! equation, along the motion that the push made true, an effect that explains most of it stands out,
+//! and the regression tells its size.
+
+use joint_core::joint::Drive;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::hypothesis::Hypothesis;
+use super::whereabouts::{of_push, pushed};
+use crate::estimate::coordinates::Coordinate;
+use crate::estimate::filter::{Equation, Noise, Walk};
+use crate::estimate::fit::Problem;
+use crate::model::Model;
+use crate::plant::{BuildError, Layout, plant};
+
+/// How much slower than the likeliest push wander those that are laid against the effects: a fast one
+/// is mostly noise, a slow one lags.
+const SLOWNESS: [f64; 3] = [0.1, 1.0, 10.0];
+/// Share of the push that a name must explain.
+const SHARE: f64 = 0.3;
+/// What keeps the regression of shapes that are almost one solvable, and small.
+const RIDGE: f64 = 1e-9;
+
+/// A hypothesis that the push follows.
+pub(super) struct Followed<'h> {
+    /// Which.
+    pub(super) hypothesis: &'h Hypothesis,
+    /// The model with it, as large as the push says.
+    pub(super) start: Model,
+    /// Share of the push that it explains.
+    pub(super) share: f64,
+}
+
+/// The hypotheses that explain most of a push, one for each name, the best first; none where the push
+/// is not on an equation of motion or of the winding.
+///
+/// # Errors
+/// A model cannot be built.
+pub(super) fn followed<'h>(
+    problem: &Problem<'_>,
+    model: &Model,
+    noise: &Noise,
+    walk: Walk,
+    hypotheses: &'h [Hypothesis],
+) -> Result<Vec<Followed<'h>>, BuildError> {
+    let layout = Layout::of(model);
+    let state = match (walk.equation, problem.record.drive) {
+        (Equation::Torque(mass), _) => layout.speed(mass),
+        (Equation::Voltage, Drive::Voltage) => Layout::CURRENT,
+        (Equation::Voltage, Drive::Current) => layout.speed(0),
+        (Equation::Sensor(_), _) => return Ok(Vec::new()),
+    };
+    let mut best: Vec<Followed<'_>> = Vec::new();
+    for slowness in SLOWNESS {
+        let run = pushed(problem, model, noise, Walk { rate: walk.rate / slowness, ..walk })?;
+        let push = of_push(&run);
+        let tried: Vec<_> = hypotheses
+            .par_iter()
+            .filter_map(|hypothesis| {
+                let shapes =
+                    shapes(problem, model, hypothesis, &run.states, (walk.equation, state));
+                let (share, sizes) = regressed(&push, &shapes?)?;
+                let mut start = hypothesis.added(model);
+                for (coordinate, size) in
+                    hypothesis.coordinates(model.effects.len()).iter().zip(sizes.iter())
+                {
+                    coordinate.shift(&mut start, *size);
+                }
+                Some(Followed { hypothesis, start, share })
+            })
+            .collect();
+        best.extend(tried);
+    }
+    best.retain(|followed| followed.share > SHARE);
+    best.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let mut known = Vec::new();
+    best.retain(|followed| {
+        let name = followed.hypothesis.name();
+        let new = !known.contains(&name);
+        known.push(name);
+        new
+    });
+    Ok(best)
+}
+
+/// What a unit of each of a hypothesis's coordinates does to an equation by sample, in units of its
+/// push.
+fn shapes(
+    problem: &Problem<'_>,
+    model: &Model,
+    hypothesis: &Hypothesis,
+    states: &[Vec<f64>],
+    (equation, state): (Equation, usize),
+) -> Option<DMatrix<f64>> {
+    let record = problem.record;
+    let build = |model: &Model| plant(model, &record.grid, record.drive).ok();
+    let added = hypothesis.added(model);
+    let coordinates = hypothesis.coordinates(model.effects.len());
+    let moved = |coordinate: &Coordinate| {
+        let mut moved = added.clone();
+        coordinate.shift(&mut moved, coordinate.difference_step());
+        build(&moved)
+    };
+    let base = build(&added)?;
+    let moved = coordinates.iter().map(moved).collect::<Option<Vec<_>>>()?;
+    let (own, before) = (Layout::of(&added).len(), Layout::of(model).len());
+    let inertia = crate::plant::inertias(model);
+    let mut shapes = DMatrix::zeros(states.len(), coordinates.len());
+    let mut memory = vec![0.0; own - before];
+    for (k, x) in states.iter().enumerate() {
+        if record.starts.contains(&k) {
+            memory.fill(0.0);
+        }
+        let mut start = x[..before].to_vec();
+        start.extend(&memory);
+        let (drive, load) = (record.drive_values[k], record.load_nm[k]);
+        let next = |plant: &dyn crate::plant::Plant, drive: f64| {
+            let mut x = start.clone();
+            plant.propagate(k, &mut x, drive, load);
+            x
+        };
+        let here = next(&*base, drive);
+        let per_push = match equation {
+            Equation::Torque(mass) => record.grid.interval(k) / inertia[mass],
+            _ => {
+                let step = 1e-4 * drive.abs() + 1e-6;
+                (next(&*base, drive + step)[state] - here[state]) / step
+            }
+        };
+        for (j, (plant, coordinate)) in moved.iter().zip(&coordinates).enumerate() {
+            let change = next(&**plant, drive)[state] - here[state];
+            shapes[(k, j)] = change / coordinate.difference_step() / per_push;
+        }
+        memory.copy_from_slice(&here[before..]);
+    }
+    shapes.iter().all(|shape| shape.is_finite()).then_some(shapes)
+}
+
+/// The share of a push that shapes explain beside a constant, and their sizes.
+fn regressed(push: &[f64], shapes: &DMatrix<f64>) -> Option<(f64, DVector<f64>)> {
+    let push = DVector::from_column_slice(push);
+    let push = push.add_scalar(-push.mean());
+    let mut shapes = shapes.clone();
+    for mut shape in shapes.column_iter_mut() {
+        let mean = shape.mean();
+        shape.add_scalar_mut(-mean);
+    }
+    let mut normal = shapes.tr_mul(&shapes);
+    let least = RIDGE * normal.trace();
+    for k in 0..normal.nrows() {
+        normal[(k, k)] += least;
+    }
+    let sizes = normal.cholesky()?.solve(&shapes.tr_mul(&push));
+    let left = &push - &shapes * &sizes;
+    let share = 1.0 - left.norm_squared() / push.norm_squared();
+    (share.is_finite() && sizes.iter().all(|size| size.is_finite())).then_some((share, sizes))
+}
