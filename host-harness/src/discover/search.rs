@@ -185,9 +185,11 @@ pub fn search(
             // What was missing may have held the springs in a wrong valley.
             false => refit::resettle(&last, origin, model, moved)?,
         };
-        if cost(&settled) < cost(fit) {
-            search.after = Stage { fit: settled, origin: origin.clone() };
+        let mut best = if cost(&settled) < cost(fit) { settled } else { fit.clone() };
+        if !calm(&best.noise, &search.expected) {
+            best = refit::converge(&last, origin, best, &search.expected)?;
         }
+        search.after = Stage { fit: best, origin: origin.clone() };
         drop_needless(problem, &mut search, true)?;
     }
     bar.inc(1);

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
 use crate::estimate::late::Late;
-use crate::estimate::record::{CATCH, CHANNELS, Channel, Record};
+use crate::estimate::record::{CHANNELS, Channel, Record, caught};
 use crate::estimate::slopes::is_of_a_sensor;
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
@@ -19,6 +19,8 @@ use crate::tangent::{LANES, Tangent};
 
 /// How much less is known of a joint in motion than at rest.
 const UNKNOWN: f64 = 10.0;
+/// Samples from which the speed of a joint in motion is taken, at most.
+const AHEAD: usize = 65;
 
 /// A joint seen through its sensors.
 pub struct Observer<'a> {
@@ -208,9 +210,13 @@ impl<'a> Observer<'a> {
         if !self.record.cuts.contains(&k) {
             return 0.0;
         }
-        let last = (k + CATCH).min(self.record.len() - 1);
-        let [here, there] = [k, last].map(|k| self.late.measured[k][Channel::Motor as usize]);
-        let speed = (there - here) / (self.record.time_s[last] - self.record.time_s[k]);
+        let motor = |row: &[f64; CHANNELS]| row[Channel::Motor as usize];
+        let angles: Vec<f64> = self.late.measured[k..].iter().take(AHEAD).map(motor).collect();
+        let Some(window) = caught(&angles).or((angles.len() > 1).then(|| angles.len() - 1)) else {
+            return 0.0;
+        };
+        let time_s = self.record.time_s[k + window] - self.record.time_s[k];
+        let speed = (angles[window] - angles[0]) / time_s;
         if speed.is_finite() { speed } else { 0.0 }
     }
 
