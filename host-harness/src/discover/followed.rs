@@ -13,68 +13,68 @@ use super::hypothesis::Hypothesis;
 use super::whereabouts::{of_push, pushed};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Equation, Noise, Walk};
-use crate::estimate::fit::Problem;
+use crate::estimate::fit::{Fit, Problem};
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, plant};
 
-/// How much slower than the likeliest push wander those that are laid against the effects: a fast one
+/// How much slower than the likeliest push wander others that are laid against the effects: a fast one
 /// is mostly noise, a slow one lags.
-const SLOWNESS: [f64; 3] = [0.1, 1.0, 10.0];
+const SLOWNESS: [f64; 2] = [0.1, 10.0];
 /// Share of the push that a name must explain.
 const SHARE: f64 = 0.3;
 /// What keeps the regression of shapes that are almost one solvable, and small.
 const RIDGE: f64 = 1e-9;
 
-/// A hypothesis that the push follows.
-pub(super) struct Followed<'h> {
+/// A hypothesis that a push follows.
+pub(super) struct Followed<'a> {
     /// Which.
-    pub(super) hypothesis: &'h Hypothesis,
+    pub(super) hypothesis: &'a Hypothesis,
     /// The model with it, as large as the push says.
     pub(super) start: Model,
     /// Share of the push that it explains.
-    pub(super) share: f64,
+    share: f64,
+    /// The fit beside the push.
+    pub(super) beside: &'a Fit,
 }
 
-/// The hypotheses that explain most of a push, one for each name, the best first; none where the push
-/// is not on an equation of motion or of the winding.
+/// The hypotheses that explain most of the likeliest push on an equation of motion or of the winding,
+/// one for each name, the best first; `pushes` begin with the likeliest.
 ///
 /// # Errors
 /// A model cannot be built.
-pub(super) fn followed<'h>(
+pub(super) fn followed<'a>(
     problem: &Problem<'_>,
-    model: &Model,
+    pushes: &'a [(Walk, Fit)],
     noise: &Noise,
-    walk: Walk,
-    hypotheses: &'h [Hypothesis],
-) -> Result<Vec<Followed<'h>>, BuildError> {
+    hypotheses: &'a [Hypothesis],
+) -> Result<Vec<Followed<'a>>, BuildError> {
+    let of_the_joint = |(walk, _): &&(Walk, Fit)| !walk.equation.is_of_a_sensor();
+    let Some((walk, beside)) = pushes.iter().find(of_the_joint) else { return Ok(Vec::new()) };
+    let model = &beside.model;
     let layout = Layout::of(model);
     let state = match (walk.equation, problem.record.drive) {
         (Equation::Torque(mass), _) => layout.speed(mass),
-        (Equation::Voltage, Drive::Voltage) => Layout::CURRENT,
-        (Equation::Voltage, Drive::Current) => layout.speed(0),
-        (Equation::Sensor(_), _) => return Ok(Vec::new()),
+        (_, Drive::Voltage) => Layout::CURRENT,
+        (_, Drive::Current) => layout.speed(0),
     };
-    let mut best: Vec<Followed<'_>> = Vec::new();
+    let run = pushed(problem, model, noise, *walk)?;
+    let mut series = vec![of_push(&run)];
     for slowness in SLOWNESS {
-        let run = pushed(problem, model, noise, Walk { rate: walk.rate / slowness, ..walk })?;
-        let push = of_push(&run);
-        let tried: Vec<_> = hypotheses
-            .par_iter()
-            .filter_map(|hypothesis| {
-                let shapes =
-                    shapes(problem, model, hypothesis, &run.states, (walk.equation, state));
-                let (share, sizes) = regressed(&push, &shapes?)?;
-                let mut start = hypothesis.added(model);
-                for (coordinate, size) in
-                    hypothesis.coordinates(model.effects.len()).iter().zip(sizes.iter())
-                {
-                    coordinate.shift(&mut start, *size);
-                }
-                Some(Followed { hypothesis, start, share })
-            })
-            .collect();
-        best.extend(tried);
+        let slow = Walk { rate: walk.rate / slowness, ..*walk };
+        series.push(of_push(&pushed(problem, model, noise, slow)?));
     }
+    let tried = hypotheses.par_iter().filter_map(|hypothesis| {
+        let shapes = shapes(problem, model, hypothesis, &run.states, (walk.equation, state))?;
+        let shares = series.iter().filter_map(|push| regressed(push, &shapes));
+        let (share, sizes) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut start = hypothesis.added(model);
+        let coordinates = hypothesis.coordinates(model.effects.len());
+        for (coordinate, size) in coordinates.iter().zip(sizes.iter()) {
+            coordinate.shift(&mut start, *size);
+        }
+        Some(Followed { hypothesis, start, share, beside })
+    });
+    let mut best: Vec<Followed<'_>> = tried.collect();
     best.retain(|followed| followed.share > SHARE);
     best.sort_by(|a, b| b.share.total_cmp(&a.share));
     let mut known = Vec::new();

@@ -55,9 +55,12 @@ pub fn add_protected(
         torque: DISTRUST * expected.torque,
         ..base.fit.noise
     };
-    let Some((walk, protected)) = disagreeing(&problem, &base, &wary)? else { return Ok(false) };
+    let pushes = disagreeing(&problem, &base, &wary)?;
+    let Some((walk, protected)) = pushes.first().map(|(walk, fit)| (*walk, fit)) else {
+        return Ok(false);
+    };
     let beside = problem.pushed(walk);
-    let Some(test) = ScoreTest::new(beside, &base.origin, &protected, 3) else {
+    let Some(test) = ScoreTest::new(beside, &base.origin, protected, 3) else {
         return Ok(false);
     };
     let scene = Scene::new(&protected.model, problem.record, &test);
@@ -83,7 +86,7 @@ pub fn add_protected(
         let near = Some(test.jacobian());
         let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
         let fit = beside.fit_from(known, &origin, &start, &coordinates, &wary, 5)?;
-        let gain = cost(&protected) - cost(&fit);
+        let gain = cost(protected) - cost(&fit);
         Ok((hypothesis.name(), score, gain, Stage { fit, origin }))
     };
     let fitted = promising.into_par_iter().map(beside_push);
@@ -95,25 +98,20 @@ pub fn add_protected(
         let fit = refit::polish(&problem, &origin, model, moved, &expected, &wary)?;
         Ok((name, score, Stage { fit, origin }))
     };
-    let follows = followed(&problem, &protected.model, &wary, walk, &hypotheses)?;
-    fitted.extend(
-        follows
-            .into_iter()
-            .take(FOLLOWED)
-            .filter_map(|follows| {
-                let Followed { hypothesis, start, .. } = follows;
-                let name = hypothesis.name();
-                (!fitted.iter().any(|(known, ..)| *known == name)).then(|| {
-                    let mut origin = base.origin.clone();
-                    origin.effects.push(hypothesis.start);
-                    let mut coordinates = base.fit.coordinates.clone();
-                    coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
-                    let fit = Fit { model: start, coordinates, ..protected.clone() };
-                    (name, 0.0, 0.0, Stage { fit, origin })
-                })
-            })
-            .collect::<Vec<_>>(),
-    );
+    for Followed { hypothesis, start, beside, .. } in
+        followed(&problem, &pushes, &wary, &hypotheses)?.into_iter().take(FOLLOWED)
+    {
+        let name = hypothesis.name();
+        if fitted.iter().any(|(known, ..)| *known == name) {
+            continue;
+        }
+        let mut origin = base.origin.clone();
+        origin.effects.push(hypothesis.start);
+        let mut coordinates = base.fit.coordinates.clone();
+        coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+        let fit = Fit { model: start, coordinates, ..beside.clone() };
+        fitted.push((name, 0.0, 0.0, Stage { fit, origin }));
+    }
     let alone = fitted.into_par_iter().map(alone).collect::<Result<Vec<_>, BuildError>>()?;
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (name, score, stage) in alone {
@@ -128,7 +126,8 @@ pub fn add_protected(
     let explained = tried.first().is_some_and(|(_, stage)| calm(&stage.fit.noise, &expected));
     if !explained && !search.withdrawn.contains(&comb::NAME.0) {
         let left = MOST_EFFECTS - search.rounds.len();
-        let lines = (walk, &protected);
+        let lines = pushes.iter().find(|(walk, _)| !walk.equation.is_of_a_sensor());
+        let lines = lines.map_or((walk, protected), |(walk, fit)| (*walk, fit));
         let found = comb(&problem, &base, lines, [&expected, &wary], left, &search.withdrawn)?;
         if let Some(stage) = found {
             let lines = stage.origin.effects.len() - base.origin.effects.len();

@@ -50,7 +50,7 @@ pub fn locate(
     orders: &[f64],
     along_lines: bool,
 ) -> Result<Disagreement, BuildError> {
-    let Some((walk, before)) = disagreeing(problem, before, noise)? else {
+    let Some((walk, before)) = disagreeing(problem, before, noise)?.into_iter().next() else {
         return Ok(Disagreement::default());
     };
     let before = &before.model;
@@ -105,13 +105,16 @@ fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
     scales.iter().flat_map(|scale| RATES.map(|rate| walk(*scale, rate))).collect()
 }
 
-/// The equation whose push makes the log most likely, and the model refitted beside that push: the
-/// plain refit has bent its parameters to explain what the equation misses.
+/// The equations whose pushes make the log most likely, the best first, and the model refitted beside
+/// each: the plain refit has bent its parameters to explain what the equation misses.
+///
+/// # Errors
+/// A model cannot be built.
 pub fn disagreeing(
     problem: &Problem<'_>,
     before: &Stage,
     noise: &Noise,
-) -> Result<Option<(Walk, Fit)>, BuildError> {
+) -> Result<Vec<(Walk, Fit)>, BuildError> {
     let Stage { fit: plain, origin } = before;
     let mut starts = Vec::new();
     for model in [&plain.model, origin] {
@@ -145,8 +148,8 @@ pub fn disagreeing(
             Ok((walk, fit))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
-    fits.sort_by(|a, b| cost(&b.1).total_cmp(&cost(&a.1)));
-    Ok(fits.pop())
+    fits.sort_by(|a, b| cost(&a.1).total_cmp(&cost(&b.1)));
+    Ok(fits)
 }
 
 /// The push on one equation by sample.

@@ -13,6 +13,13 @@ pub enum Equation {
     Sensor(Channel),
 }
 
+impl Equation {
+    /// Whether it says what a sensor shows, not what the joint does.
+    pub fn is_of_a_sensor(self) -> bool {
+        matches!(self, Self::Sensor(_))
+    }
+}
+
 /// A random walk on one equation, as an extra state of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walk {
