@@ -389,8 +389,8 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
 
 /// A base refitted from where a model with one more effect stands: a name may owe its gain to a better
 /// fit of all the rest, and then the base is to have that fit as well. Behind gears friction has many
-/// hollows, and the first name, as long as it was missing, may have led the fit into a wrong one: there
-/// a base with names is refitted from elsewhere too.
+/// hollows, and the refit of the nominal, or a name as long as it was missing, may have led into a wrong
+/// one: there the base is refitted from elsewhere too.
 pub fn bared(
     problem: &Problem<'_>,
     base: &Stage,
@@ -400,8 +400,10 @@ pub fn bared(
     let start = without(&won.fit.model, base.fit.model.effects.len());
     let (moved, noise) = (&base.fit.coordinates, &won.fit.noise);
     let mut fit = refit::polish(problem, &base.origin, &start, moved, expected, noise)?;
-    let named = !base.fit.model.effects.is_empty() && !base.origin.stages.is_empty();
-    if named && cost(&fit) - cost(&won.fit) > LEAST_GAIN {
+    // A name that is large is not owed to a hollow.
+    let small = base.fit.noise.times(expected) <= LOST || !base.fit.model.effects.is_empty();
+    let rugged = !base.origin.stages.is_empty();
+    if rugged && small && cost(&fit) - cost(&won.fit) > LEAST_GAIN {
         let again = refit::cooled(problem, &base.origin, &base.fit, expected)?;
         if cost(&again) < cost(&fit) {
             fit = again;

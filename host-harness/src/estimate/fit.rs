@@ -80,6 +80,9 @@ pub struct Problem<'a> {
     pub cautious: bool,
     /// What a round must gain of minus twice the log-likelihood to be followed by another.
     pub worth: f64,
+    /// Whether slopes are taken by differences, long enough to see beyond a standstill, instead of at
+    /// the place itself: friction behind gears makes a rugged likelihood.
+    pub long_sighted: bool,
 }
 
 /// The random constants that every filter carries: an encoder zeroed at the start of a log knows
@@ -95,7 +98,7 @@ pub fn standing_walks(record: &Record) -> Vec<Walk> {
 impl<'a> Problem<'a> {
     /// A record fitted to over a mask, with a model that is believed.
     pub fn new(record: &'a Record, mask: &'a [f64]) -> Self {
-        Self { record, mask, push: None, cautious: false, worth: WORTH }
+        Self { record, mask, push: None, cautious: false, worth: WORTH, long_sighted: false }
     }
 
     /// The same with every step proven.
@@ -106,6 +109,11 @@ impl<'a> Problem<'a> {
     /// The same, content with fits near enough to be told apart.
     pub fn rough(self) -> Self {
         Self { worth: ROUGH, ..self }
+    }
+
+    /// The same by differences, or by the slope at a place.
+    pub fn long_sighted(self, long_sighted: bool) -> Self {
+        Self { long_sighted, ..self }
     }
 
     /// The same with a push on one equation.
@@ -191,8 +199,11 @@ impl<'a> Problem<'a> {
         coordinates: &[Coordinate],
         here: Option<&DVector<f64>>,
     ) -> DMatrix<f64> {
+        let mut columns = match self.long_sighted {
+            true => vec![None; coordinates.len()],
+            false => self.tangents(model, gains, coordinates),
+        };
         let rows = self.record.len() * CHANNELS;
-        let mut columns = self.tangents(model, gains, coordinates);
         columns.par_iter_mut().zip(coordinates).for_each(|(column, coordinate)| {
             if column.is_none() {
                 *column = self.difference(model, gains, coordinate, here);

@@ -31,6 +31,9 @@ const COOLING_ROUNDS: usize = 6;
 /// How much less the model is trusted while the springs are tried.
 const DISTRUST: f64 = 3.0;
 
+/// Stages from which on a likelihood is taken to be rugged, and fits are made by either slope.
+const RUGGED: usize = 2;
+
 /// Most rounds of converging.
 const ATTEMPTS: usize = 4;
 /// What another round must gain of minus twice the log-likelihood to be followed by one more.
@@ -43,7 +46,14 @@ const DOUBTFUL: f64 = 2.0;
 /// # Errors
 /// The model cannot be built.
 pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
-    resettle(problem, origin, origin, &coordinates(origin, problem))
+    let moved = coordinates(origin, problem);
+    let sights = if origin.stages.len() < RUGGED { &[false][..] } else { &[false, true] };
+    let fits = sights
+        .par_iter()
+        .map(|long| resettle(&problem.long_sighted(*long), origin, origin, &moved))
+        .collect::<Result<Vec<_>, _>>()?;
+    let best = fits.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    best.map_or_else(|| resettle(problem, origin, origin, &moved), Ok)
 }
 
 /// Refits from a start whose springs may lie in a wrong valley.
@@ -168,9 +178,10 @@ pub fn cooled(
     expected: &Noise,
 ) -> Result<Fit, BuildError> {
     let anew = Model { effects: fit.model.effects.clone(), ..origin.clone() };
-    let fits = [&fit.model, &anew]
+    let fits = [(&fit.model, false), (&anew, origin.stages.len() >= RUGGED)]
         .into_par_iter()
-        .map(|start| {
+        .map(|(start, long)| {
+            let problem = &problem.long_sighted(long);
             let mut start = start.clone();
             let mut loose = *expected;
             for distrust in COOLING.into_iter().chain([DISTRUST]) {

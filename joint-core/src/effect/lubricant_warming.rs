@@ -18,7 +18,7 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::Motor, Location::Stage(0)],
     parameters: &[
         // a: fall of the viscous coefficient after long at the reference speed.
-        ParameterSpec { key: "relative_fall", default: None, low: -1e3, high: 1e3 },
+        ParameterSpec { key: "relative_fall", default: None, low: 0.0, high: 1e3 },
         ParameterSpec { key: "time_constant_s", default: None, low: 1e-6, high: 1e9 },
         // Of the mass itself.
         ParameterSpec { key: "reference_speed_rad_per_s", default: None, low: 1e-9, high: 1e9 },

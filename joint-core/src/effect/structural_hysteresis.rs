@@ -15,7 +15,7 @@ pub const SPEC: Spec = Spec {
     kind: "structural-hysteresis",
     locations: &[Location::Stage(0)],
     parameters: &[
-        ParameterSpec { key: "amplitude_nm", default: None, low: -1e9, high: 1e9 },
+        ParameterSpec { key: "amplitude_nm", default: None, low: 0.0, high: 1e9 },
         // w, at the stage's output.
         ParameterSpec { key: "width_rad", default: None, low: 1e-9, high: 1e3 },
     ],

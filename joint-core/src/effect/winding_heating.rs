@@ -14,7 +14,7 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::Motor],
     parameters: &[
         // a: rise of the resistance after long at the reference current.
-        ParameterSpec { key: "relative_rise", default: None, low: -0.95, high: 1e3 },
+        ParameterSpec { key: "relative_rise", default: None, low: 0.0, high: 1e3 },
         ParameterSpec { key: "time_constant_s", default: None, low: 1e-6, high: 1e9 },
         ParameterSpec { key: "reference_current_a", default: None, low: 1e-12, high: 1e12 },
     ],
