@@ -36,8 +36,17 @@ pub(super) fn drop_needless(
         let coordinates: Vec<_> =
             search.after.fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
         let noise = search.after.fit.noise;
-        let fit = refit::polish(&problem, &origin, &start, &coordinates, &search.expected, &noise)?;
-        if against.is_some() || cost(&fit) - cost(&search.after.fit) < LEAST_GAIN {
+        let expected = &search.expected;
+        let kept = cost(&search.after.fit);
+        let mut fit = refit::polish(&problem, &origin, &start, &coordinates, expected, &noise)?;
+        if !origin.stages.is_empty() && cost(&fit) - kept >= LEAST_GAIN {
+            // Behind gears the others may have settled in a hollow that only this one's company made.
+            let again = refit::cooled(&problem, &origin, &fit, expected)?;
+            if cost(&again) < cost(&fit) {
+                fit = again;
+            }
+        }
+        if against.is_some() || cost(&fit) - kept < LEAST_GAIN {
             against.into_iter().for_each(|against| search.contradicted(against));
             search.after = Stage { fit, origin };
             search.rounds.remove(k);
