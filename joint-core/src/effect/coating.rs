@@ -15,7 +15,7 @@ pub const SPEC: Spec = Spec {
     kind: "coating",
     locations: &[Location::Output],
     parameters: &[
-        ParameterSpec { key: "stiffness_nm_per_rad", default: None, low: -1e12, high: 1e12 },
+        ParameterSpec { key: "stiffness_nm_per_rad", default: None, low: 0.0, high: 1e12 },
         ParameterSpec { key: "hysteresis_nm", default: Some(0.0), low: 0.0, high: 1e9 },
         // w.
         ParameterSpec { key: "width_rad", default: Some(0.02), low: 1e-9, high: 1e3 },
