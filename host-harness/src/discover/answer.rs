@@ -203,6 +203,7 @@ pub fn discover_without(
         parameters: parameter_rows(nominal, before, after, &covariance),
         scores: found.scores.clone(),
         noises: noise_rows(&found, &record),
+        left: remainder,
         experiment,
     })
 }
@@ -317,6 +318,8 @@ fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>
                 parameters,
                 standard_errors,
                 confidence,
+                gain: round.gain,
+                stays_ahead: round.stays_ahead,
                 rivals,
             }
         })
@@ -324,7 +327,8 @@ fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>
 }
 
 /// How sure a name is: its likelihood against those of the others that were refitted, each bounded
-/// by what slightly different laws would move, and less where the gate complains.
+/// by what slightly different laws would move, and less where the gate complains or another draw of
+/// the log would have had another winner.
 fn confidence(round: &Round, clean: bool) -> (f64, Vec<Rival>) {
     let odds = |gain: f64| (-(round.gain - gain).max(0.0) / (2.0 * SEPARATION)).exp();
     let unlisted = if clean { 0.02 } else { 1.0 };
@@ -336,9 +340,10 @@ fn confidence(round: &Round, clean: bool) -> (f64, Vec<Rival>) {
             kind: rival.name.0.spec().kind.to_owned(),
             location: rival.name.1.to_string(),
             confidence: odds(rival.gain) / total,
+            gain: rival.gain,
         })
         .collect();
-    (1.0 / total, rivals)
+    (round.stays_ahead / total, rivals)
 }
 
 /// An effect's values by key, and one sigma of those that were fitted.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::experiment::Experiment;
+use super::gate::Remainder;
 use crate::estimate::record::CHANNELS;
 use crate::model::Model;
 
@@ -29,6 +30,8 @@ pub struct Rival {
     pub location: String,
     /// Its share of the confidence.
     pub confidence: f64,
+    /// What its refit took from minus twice the log-likelihood.
+    pub gain: f64,
 }
 
 /// An effect by name.
@@ -44,6 +47,11 @@ pub struct Named {
     pub standard_errors: BTreeMap<String, f64>,
     /// Probability that the name is right.
     pub confidence: f64,
+    /// What its refit took from minus twice the log-likelihood.
+    pub gain: f64,
+    /// Share of the logs drawn from this one, block by block, in which it stays ahead of the best of
+    /// the other names and of none.
+    pub stays_ahead: f64,
     /// The other names.
     pub rivals: Vec<Rival>,
 }
@@ -195,6 +203,8 @@ pub struct Findings {
     pub scores: Vec<ScoreRow>,
     /// Noises.
     pub noises: Vec<NoiseRow>,
+    /// What the improved model leaves, over what it should.
+    pub left: Remainder,
     /// What to run next, where that would decide something.
     pub experiment: Option<Experiment>,
 }

@@ -10,6 +10,7 @@ use crate::estimate::record::{CHANNELS, Channel};
 use crate::estimate::twin::null_innovations;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
+use serde::Serialize;
 
 /// Most that the noise on the drive may exceed what is expected.
 const DRIVE_EXCESS: f64 = 3.0;
@@ -25,7 +26,7 @@ const BEYOND: f64 = 1e6;
 const LAGS: usize = 8;
 
 /// What a model leaves.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Remainder {
     /// Noise on the drive over what is expected; one where the current is imposed.
     pub drive: f64,

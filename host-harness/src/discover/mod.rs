@@ -2,6 +2,7 @@
 //! when it is added.
 
 pub mod answer;
+mod bootstrap;
 pub mod candidates;
 pub mod comb;
 mod contradiction;

@@ -10,6 +10,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
+use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
 use super::comb::{self, comb};
 use super::findings::ScoreRow;
@@ -137,11 +138,13 @@ pub fn add_protected(
                 let names: Vec<_> = names.map(|line| (line.kind, line.location)).collect();
                 let rivals = tried.into_iter().map(|(contender, _)| contender);
                 let rivals: Vec<_> = rivals.filter(|rival| !names.contains(&rival.name)).collect();
+                let stays_ahead = stays_ahead(&stage.fit, &[&base.fit], problem.mask);
                 search.rounds.extend(names.into_iter().map(|name| Round {
                     name,
                     gain: gain / lines as f64,
                     rivals: rivals.clone(),
                     runner_up: None,
+                    stays_ahead,
                 }));
                 search.after = stage;
                 return Ok(true);
@@ -167,7 +170,9 @@ pub fn add_protected(
         tried.map(|(rival, stage)| (less(rival), stage)).unzip();
     let runner_up = (!beaten.is_empty()).then(|| beaten.swap_remove(0));
     let gain = winner.gain - owed;
-    search.rounds.push(Round { name: winner.name, gain, rivals, runner_up });
+    let others: Vec<&Fit> = runner_up.iter().map(|stage| &stage.fit).chain([&plain.fit]).collect();
+    let stays_ahead = stays_ahead(&stage.fit, &others, problem.mask);
+    search.rounds.push(Round { name: winner.name, gain, rivals, runner_up, stays_ahead });
     search.after = stage;
     Ok(true)
 }

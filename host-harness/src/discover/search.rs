@@ -13,6 +13,7 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
+use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
 use super::contradiction::contradiction;
 use super::findings::ScoreRow;
@@ -86,6 +87,8 @@ pub struct Round {
     pub rivals: Vec<Contender>,
     /// The best of them, refitted.
     pub runner_up: Option<Stage>,
+    /// Share of the logs drawn from this one in which it stays ahead of that one, and of nothing.
+    pub stays_ahead: f64,
 }
 
 /// What the search found.
@@ -382,7 +385,10 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let less = |rival: Contender| Contender { gain: rival.gain - owed, ..rival };
     let rivals = rivals.into_iter().map(less).collect();
     let runner_up = stages.next();
-    search.rounds.push(Round { name: contenders[0].name, gain: winner, rivals, runner_up });
+    let others: Vec<&Fit> = runner_up.iter().map(|stage| &stage.fit).chain([&plain.fit]).collect();
+    let stays_ahead = stays_ahead(&won.fit, &others, problem.mask);
+    let name = contenders[0].name;
+    search.rounds.push(Round { name, gain: winner, rivals, runner_up, stays_ahead });
     search.after = won;
     Ok(Look::Added)
 }

@@ -45,6 +45,15 @@ pub struct Fit {
     pub prior: f64,
 }
 
+impl Fit {
+    /// Minus twice the log-likelihood sample by sample, without priors; zero where `mask` is.
+    pub fn deviances(&self, mask: &[f64]) -> Vec<f64> {
+        let rows = self.innovations.iter().zip(self.gains.log_variances()).zip(mask);
+        rows.map(|((row, log), mask)| mask * (row.iter().map(|e| e * e).sum::<f64>() + log))
+            .collect()
+    }
+}
+
 /// A filter designed at a model, and what it makes of the record.
 #[derive(Clone, Debug)]
 pub struct Design {

@@ -63,12 +63,13 @@ pub struct Gains {
 impl Gains {
     /// Sum of the logarithms of the innovations' variances over the samples of a mask.
     pub fn log_variance(&self, mask: &[f64]) -> f64 {
+        self.log_variances().zip(mask).map(|(log, mask)| mask * log).sum()
+    }
+
+    /// The same sample by sample.
+    pub fn log_variances(&self) -> impl Iterator<Item = f64> {
         let log = |weight: &f64| if *weight > 0.0 { -2.0 * weight.ln() } else { 0.0 };
-        self.weight
-            .iter()
-            .zip(mask)
-            .map(|(row, mask)| mask * row.iter().map(log).sum::<f64>())
-            .sum()
+        self.weight.iter().map(move |row| row.iter().map(log).sum())
     }
 }
 

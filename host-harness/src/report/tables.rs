@@ -19,7 +19,7 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
     }
     page.push_str(
         "<table><tr><th>effect<th>place<th>parameter<th class=n>value<th class=n>confidence\
-         <th>other names</tr>\n",
+         <th class=n>ahead in logs redrawn<th>other names</tr>\n",
     );
     for effect in effects {
         let rows = effect.parameters.len().max(1);
@@ -44,8 +44,9 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
         page.push_str(&parameters.next().unwrap_or_else(|| "<td><td>".to_owned()));
         let _ = writeln!(
             page,
-            "<td class=n rowspan={rows}>{}<td rowspan={rows}>{}</tr>",
+            "<td class=n rowspan={rows}>{}<td class=n rowspan={rows}>{}<td rowspan={rows}>{}</tr>",
             per_cent(effect.confidence),
+            per_cent(effect.stays_ahead),
             if rivals.is_empty() { "none".to_owned() } else { rivals.join(", ") }
         );
         for row in parameters {

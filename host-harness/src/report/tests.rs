@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use super::{html, residuals_csv};
 use crate::demo::actuator;
 use crate::discover::findings::*;
+use crate::discover::gate::Remainder;
 
 fn findings(samples: usize) -> Findings {
     let time_s: Vec<f64> = (0..samples).map(|k| k as f64 * 1e-4).collect();
@@ -19,10 +20,13 @@ fn findings(samples: usize) -> Findings {
             parameters: BTreeMap::from([("order".into(), 42.0), ("amplitude_nm".into(), 0.01)]),
             standard_errors: BTreeMap::from([("amplitude_nm".into(), 1e-4)]),
             confidence: 0.97,
+            gain: 900.0,
+            stays_ahead: 1.0,
             rivals: vec![Rival {
                 kind: "gravity".into(),
                 location: "output".into(),
                 confidence: 0.01,
+                gain: 600.0,
             }],
         }],
         whereabouts: Whereabouts {
@@ -44,6 +48,7 @@ fn findings(samples: usize) -> Findings {
     };
     Findings {
         verdict,
+        left: Remainder::default(),
         nominal: actuator(),
         improved: actuator(),
         held_out: (0..samples).map(|k| (k * 10 / samples) == 3).collect(),

@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 use joint_core::effect::Kind;
 use serde::{Deserialize, Serialize};
 
-use crate::discover::findings::{Answer, Verdict};
+use crate::discover::findings::{Answer, Findings, Verdict};
+use crate::discover::gate::Remainder;
 
 pub use breakdown::{Breakdown, Reliability};
 pub use share::Share;
@@ -75,6 +76,14 @@ pub struct Row {
     pub names: Vec<String>,
     /// How large the first hidden effect was, in units of what is typical of its kind.
     pub size: Option<f64>,
+    /// What the first name's refit took from minus twice the log-likelihood.
+    pub gain: Option<f64>,
+    /// How much more than the best of the other names.
+    pub lead: Option<f64>,
+    /// Share of the logs drawn from this one in which it stays ahead.
+    pub stays_ahead: Option<f64>,
+    /// What the improved model leaves, over what it should.
+    pub left: Remainder,
     /// Wall time, s.
     pub seconds: f64,
     /// Whether the answer is right: the first name and its place, or adequate, or unknown.
@@ -115,8 +124,9 @@ pub fn files(set: &Path, case: &Case) -> (PathBuf, Vec<PathBuf>) {
     (folder.join("nominal.toml"), vec![log])
 }
 
-/// Scores one verdict.
-pub fn row(case: &Case, verdict: &Verdict) -> Row {
+/// Scores one answer.
+pub fn row(case: &Case, findings: &Findings) -> Row {
+    let verdict = &findings.verdict;
     let first = verdict.effects.first();
     let answer = match verdict.verdict {
         Answer::Effect => "effect",
@@ -153,6 +163,10 @@ pub fn row(case: &Case, verdict: &Verdict) -> Row {
         hidden,
         names: verdict.effects.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
         size: case.size,
+        gain: first.map(|effect| effect.gain),
+        lead: first.and_then(|effect| Some(effect.gain - effect.rivals.first()?.gain)),
+        stays_ahead: first.map(|effect| effect.stays_ahead),
+        left: findings.left.clone(),
         seconds: verdict.seconds,
         right,
     }

@@ -81,7 +81,7 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
             break;
         }
         write(&out.folder(&case.case, common.force)?, &findings)?;
-        rows.push(row(case, &findings.verdict));
+        rows.push(row(case, &findings));
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -139,7 +139,7 @@ fn one(seed: u64, number: u64, out: &OutDir, force: bool) -> Result<Row, Failure
     let hidden = indicatif::ProgressBar::hidden();
     let logs = [log];
     let findings = discover_without(&nominal, &logs, &withdrawn, &hidden).map_err(failure)?;
-    let row = row(&case, &findings.verdict);
+    let row = row(&case, &findings);
     if !row.right && !interrupt::asked() {
         let kept = out.folder(&case.case, force)?;
         kept.write("nominal.toml", nominal.to_toml())?;
