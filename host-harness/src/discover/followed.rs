@@ -9,7 +9,7 @@ use joint_core::joint::Drive;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, first_of_each};
 use super::whereabouts::{of_push, pushed};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Equation, Noise, Walk};
@@ -77,14 +77,7 @@ pub(super) fn followed<'a>(
     let mut best: Vec<Followed<'_>> = tried.collect();
     best.retain(|followed| followed.share > SHARE);
     best.sort_by(|a, b| b.share.total_cmp(&a.share));
-    let mut known = Vec::new();
-    best.retain(|followed| {
-        let name = followed.hypothesis.name();
-        let new = !known.contains(&name);
-        known.push(name);
-        new
-    });
-    Ok(best)
+    Ok(first_of_each(best, |followed| followed.hypothesis.name()))
 }
 
 /// What a unit of each of a hypothesis's coordinates does to an equation by sample, in units of its

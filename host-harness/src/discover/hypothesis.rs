@@ -30,6 +30,19 @@ pub enum Free {
     },
 }
 
+/// Of a ranking those that are the first of their name.
+pub fn first_of_each<T>(ranked: Vec<T>, name: impl Fn(&T) -> (Kind, Location)) -> Vec<T> {
+    let mut known = Vec::new();
+    let mut first = ranked;
+    first.retain(|entry| {
+        let name = name(entry);
+        let new = !known.contains(&name);
+        known.push(name);
+        new
+    });
+    first
+}
+
 /// An effect that may be what is missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hypothesis {
@@ -77,5 +90,19 @@ impl Hypothesis {
             }
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_each_name_the_first_is_kept() {
+        let (motor, stage) = (Location::Motor, Location::Stage(1));
+        let ranked = vec![(Kind::Cogging, motor, 1), (Kind::Backlash, stage, 2)];
+        let again = vec![(Kind::Cogging, motor, 3), (Kind::Backlash, Location::Stage(2), 4)];
+        let first = first_of_each([ranked, again].concat(), |(kind, place, _)| (*kind, *place));
+        assert_eq!(first.iter().map(|(.., k)| *k).collect::<Vec<_>>(), [1, 2, 4]);
     }
 }

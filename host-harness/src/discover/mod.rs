@@ -1,7 +1,9 @@
 //! The workflow: where a model and a log disagree, what is missing, and by how much the gap shrinks
 //! when it is added.
 
+mod annealed;
 pub mod answer;
+mod belief;
 mod bootstrap;
 pub mod candidates;
 pub mod comb;

@@ -15,7 +15,7 @@ use super::candidates::{self, Scene};
 use super::comb::{self, comb};
 use super::findings::ScoreRow;
 use super::followed::{Followed, followed};
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, first_of_each};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
     Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
@@ -71,18 +71,11 @@ pub fn add_protected(
     let mut ranked: Vec<(&Hypothesis, f64)> =
         hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
     ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut promising: Vec<(&Hypothesis, f64)> = Vec::new();
-    for (hypothesis, score) in ranked.into_iter().filter(|(_, gain)| *gain > least) {
-        let known = promising.iter().any(|(known, _)| known.name() == hypothesis.name());
-        if promising.len() < FITTED && !known {
-            promising.push((hypothesis, score));
-        }
-    }
+    ranked.retain(|(_, gain)| *gain > least);
+    let mut promising = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
+    promising.truncate(FITTED);
     let beside_push = |(hypothesis, score): (&Hypothesis, f64)| {
-        let mut origin = base.origin.clone();
-        origin.effects.push(hypothesis.start);
-        let mut coordinates = base.fit.coordinates.clone();
-        coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+        let (origin, coordinates) = base.widened(hypothesis);
         let start = hypothesis.added(&protected.model);
         let near = Some(test.jacobian());
         let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
@@ -106,18 +99,16 @@ pub fn add_protected(
         if fitted.iter().any(|(known, ..)| *known == name) {
             continue;
         }
-        let mut origin = base.origin.clone();
-        origin.effects.push(hypothesis.start);
-        let mut coordinates = base.fit.coordinates.clone();
-        coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+        let (origin, coordinates) = base.widened(hypothesis);
         let fit = Fit { model: start, coordinates, ..beside.clone() };
         fitted.push((name, 0.0, 0.0, Stage { fit, origin }));
     }
     let alone = fitted.into_par_iter().map(alone).collect::<Result<Vec<_>, BuildError>>()?;
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (name, score, stage) in alone {
-        let gain =
-            search.believes(&stage.fit.model, problem.record).then(|| gained(&base, &stage.fit));
+        let gain = search
+            .believes(&stage.fit.model, problem.record)
+            .then(|| gained(&base.fit, &stage.fit));
         search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
         tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
     }
@@ -151,13 +142,28 @@ pub fn add_protected(
             }
         }
     }
+    conclude(problem, search, round, tried)
+}
+
+/// Adds the best of the names that were tried, if it holds and is not owed to a better fit of the rest.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn conclude(
+    problem: Problem<'_>,
+    search: &mut Search,
+    round: usize,
+    tried: Vec<(Contender, Stage)>,
+) -> Result<bool, BuildError> {
+    let base = search.after.clone();
+    let expected = search.expected;
     let mut tried = tried.into_iter();
     let Some((winner, stage)) = tried.next() else { return Ok(false) };
     if winner.gain < LEAST_GAIN || winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit)? {
         return Ok(false);
     }
     let plain = bared(&problem, &base, &stage, &expected)?;
-    let owed = gained(&base, &plain.fit).max(0.0);
+    let owed = gained(&base.fit, &plain.fit).max(0.0);
     if owed > 0.0 && search.rounds.is_empty() {
         search.before = plain.clone();
     }
@@ -178,8 +184,8 @@ pub fn add_protected(
 }
 
 /// What a fit gains over a base that may be beyond all numbers.
-fn gained(base: &Stage, fit: &Fit) -> f64 {
-    let gain = cost(&base.fit).min(BEYOND) - cost(fit);
+pub(super) fn gained(base: &Fit, fit: &Fit) -> f64 {
+    let gain = cost(base).min(BEYOND) - cost(fit);
     if gain.is_nan() { f64::NEG_INFINITY } else { gain }
 }
 
@@ -207,7 +213,7 @@ fn converged(
         }
         let fit = refit::converge(problem, &origin, fit, expected)?;
         explained = calm(&fit.noise, expected);
-        let gain = gained(base, &fit);
+        let gain = gained(&base.fit, &fit);
         done.push((Contender { gain, ..contender }, Stage { fit, origin }));
     }
     done.sort_by(|a, b| promise(b, expected).total_cmp(&promise(a, expected)));

@@ -9,22 +9,22 @@ use std::borrow::Cow;
 
 use indicatif::ProgressBar;
 use joint_core::effect::Kind;
-use joint_core::joint::Drive;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
+use super::annealed::add_annealed;
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
-use super::contradiction::contradiction;
 use super::findings::ScoreRow;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, first_of_each};
 use super::needless::{drop_needless, without};
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
+use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::noise;
-use crate::estimate::record::{Channel, Record};
+
 use crate::estimate::refit::{self, cost};
 use crate::interrupt;
 use crate::model::Model;
@@ -65,6 +65,15 @@ pub struct Stage {
     pub fit: Fit,
     /// The priors' centre: the nominal, with the effects at their starts.
     pub origin: Model,
+}
+
+impl Stage {
+    /// The priors' centre and what a fit moves, with a hypothesis added.
+    pub fn widened(&self, hypothesis: &Hypothesis) -> (Model, Vec<Coordinate>) {
+        let mut coordinates = self.fit.coordinates.clone();
+        coordinates.extend(hypothesis.coordinates(self.fit.model.effects.len()));
+        (hypothesis.added(&self.origin), coordinates)
+    }
 }
 
 /// A name and what its full refit explained.
@@ -112,26 +121,8 @@ pub struct Search {
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
-}
-
-impl Search {
-    /// Whether a model's last effect is one that a joint can have and that no channel contradicts;
-    /// keeps what does.
-    pub fn believes(&mut self, model: &Model, record: &Record) -> bool {
-        if !believable(model, record) {
-            return false;
-        }
-        let Some(against) = contradiction(model, record) else { return true };
-        self.contradicted(against);
-        false
-    }
-
-    /// Keeps what speaks against a kind, once.
-    pub(super) fn contradicted(&mut self, against: (Kind, String)) {
-        if !self.contradictions.iter().any(|(kind, _)| *kind == against.0) {
-            self.contradictions.push(against);
-        }
-    }
+    /// Effects with which the springs were settled last; none if never.
+    settled: usize,
 }
 
 /// Runs the search.
@@ -161,8 +152,9 @@ pub fn search(
         contradictions: Vec::new(),
         withdrawn: withdrawn.to_vec(),
         expected,
+        settled: 0,
     };
-    look(problem, &mut search, bar)?;
+    look(last, &mut search, bar)?;
     if search.rounds.is_empty() && !calm(&search.after.fit.noise, &search.expected) {
         bar.set_message("refitting from elsewhere");
         let Stage { fit, origin } = &search.after;
@@ -171,7 +163,7 @@ pub fn search(
             let found = Stage { fit: again, origin: origin.clone() };
             search.before = found.clone();
             search.after = found;
-            look(problem, &mut search, bar)?;
+            look(last, &mut search, bar)?;
         }
     }
     if interrupt::asked() {
@@ -181,37 +173,54 @@ pub fn search(
     drop_needless(problem, &mut search, false)?;
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
-        let Stage { fit, origin } = &search.after;
-        let (model, moved) = (&fit.model, &fit.coordinates);
-        let settled = match nominal.stages.is_empty() {
-            true => refit::polish(&last, origin, model, moved, &search.expected, &fit.noise)?,
-            // What was missing may have held the springs in a wrong valley.
-            false => refit::resettle(&last, origin, model, moved)?,
-        };
-        let mut best = if cost(&settled) < cost(fit) { settled } else { fit.clone() };
-        if !calm(&best.noise, &search.expected) {
-            best = refit::converge(&last, origin, best, &search.expected)?;
-        }
-        search.after = Stage { fit: best, origin: origin.clone() };
+        settle(&last, &mut search)?;
         drop_needless(problem, &mut search, true)?;
     }
     bar.inc(1);
     Ok(search)
 }
 
+/// Refits a model with effects once more, unless that was done since the last was added or dropped:
+/// what was missing may have held the springs in a wrong valley.
+fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
+    let Stage { fit, origin } = &search.after;
+    if fit.model.effects.len() == search.settled {
+        return Ok(());
+    }
+    let (model, moved, expected) = (&fit.model, &fit.coordinates, &search.expected);
+    let settled = match origin.stages.is_empty() {
+        true => refit::polish(problem, origin, model, moved, expected, &fit.noise)?,
+        false => refit::resettle(problem, origin, model, moved)?,
+    };
+    let mut best = if cost(&settled) < cost(fit) { settled } else { fit.clone() };
+    if !calm(&best.noise, expected) {
+        best = refit::converge(problem, origin, best, expected)?;
+    }
+    search.settled = best.model.effects.len();
+    search.after = Stage { fit: best, origin: origin.clone() };
+    Ok(())
+}
+
 /// Adds effects until no more is found.
-fn look(problem: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+fn look(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+    let problem = last.rough();
     for round in 1..=MOST_EFFECTS {
         if interrupt::asked() {
             break;
         }
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
+        if !search.rounds.is_empty() && (DOUBTED..LOST).contains(&excess(search)) {
+            settle(&last, search)?;
+        }
         let excess = excess(search);
-        if excess > LOST && add_either(problem, search, round)?
+        if excess > LOST && add_to_lost(problem, search, round)?
             || excess <= LOST && add_settled(problem, search, round)?
             // Noise that swallows what is missing hides it from the plain test as well.
-            || excess > DOUBTED && excess <= LOST && add_protected(problem, search, round)?
+            || excess > DOUBTED
+                && excess <= LOST
+                && (add_annealed(problem, search, round)?
+                    || add_protected(problem, search, round)?)
         {
             continue;
         }
@@ -225,26 +234,57 @@ fn excess(search: &Search) -> f64 {
     search.after.fit.noise.times(&search.expected)
 }
 
-/// Adds the best name of the plain test or the best beside a push, whichever explains more of the
-/// log; the second is not asked where the first leaves only noise. A push takes with it what changes
-/// slowly, a lost fit bends to what is large; one far adrift tells nothing, but for want of better.
-fn add_either(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
+/// How a name is looked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// By one linear step from the base.
+    Settled,
+    /// With trust that grows.
+    Annealed,
+    /// Beside a push.
+    Protected,
+}
+
+/// Adds the best name to a base that is lost, by the way that explains most of the log; none is asked
+/// after one that leaves only noise, nor after growing trust where that leaves a model that is not lost.
+/// A push takes with it what changes slowly, a lost fit bends to what is large; one far adrift tells
+/// nothing, but for want of better.
+fn add_to_lost(
+    problem: Problem<'_>,
+    search: &mut Search,
+    round: usize,
+) -> Result<bool, BuildError> {
+    use Way::{Annealed, Protected, Settled};
     let adrift = excess(search) > ADRIFT;
-    let mut other = search.clone();
-    let add = |search: &mut Search, protected: bool| match protected {
-        true => add_protected(problem, search, round),
-        false => add_settled(problem, search, round),
+    let ways = match search.before.origin.stages.len() {
+        _ if adrift => [Annealed, Protected, Settled],
+        0 | 1 => [Settled, Annealed, Protected],
+        // Behind two gears short fits end in hollows.
+        _ => [Annealed, Settled, Protected],
     };
-    if !add(search, adrift)? {
-        return add(search, !adrift);
-    }
-    if !adrift && excess(search) >= CALM {
-        let added = add(&mut other, true)?;
-        if added && cost(&other.after.fit) < cost(&search.after.fit) {
+    let base = search.clone();
+    let mut found = false;
+    for way in ways {
+        if found && adrift && way == Settled {
+            break;
+        }
+        let mut other = base.clone();
+        let added = match way {
+            Settled => add_settled(problem, &mut other, round)?,
+            Annealed => add_annealed(problem, &mut other, round)?,
+            Protected => add_protected(problem, &mut other, round)?,
+        };
+        let better = added && (!found || cost(&other.after.fit) < cost(&search.after.fit));
+        if better || !found {
             *search = other;
         }
+        found |= added;
+        let enough = if way == Annealed { LOST } else { CALM };
+        if found && excess(search) < enough {
+            break;
+        }
     }
-    Ok(true)
+    Ok(found)
 }
 
 /// Whether a fit needs little more noise than is expected.
@@ -298,12 +338,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     search.chance.push(least);
     let mut ranked: Vec<(&Hypothesis, &Gain)> = hypotheses.iter().zip(&gains).collect();
     ranked.sort_by(|a, b| b.1.real.total_cmp(&a.1.real));
-    let mut best_of_name: Vec<(&Hypothesis, &Gain)> = Vec::new();
-    for (hypothesis, gain) in ranked {
-        if !best_of_name.iter().any(|(known, _)| known.name() == hypothesis.name()) {
-            best_of_name.push((hypothesis, gain));
-        }
-    }
+    let best_of_name = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
     for (hypothesis, gain) in &best_of_name {
         let name = title(hypothesis.name());
         search.scores.push(ScoreRow { round, name, score: gain.real, refitted: None });
@@ -318,10 +353,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let mut short = promising
         .par_iter()
         .map(|(hypothesis, score)| {
-            let mut origin = base.origin.clone();
-            origin.effects.push(hypothesis.start);
-            let mut coordinates = base.fit.coordinates.clone();
-            coordinates.extend(hypothesis.coordinates(base.fit.model.effects.len()));
+            let (origin, coordinates) = base.widened(hypothesis);
             let start = hypothesis.added(&base.fit.model);
             let (near, noise) = (Some(test.jacobian()), &base.fit.noise);
             let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
@@ -418,39 +450,12 @@ pub fn bared(
     Ok(Stage { fit, origin: base.origin.clone() })
 }
 
-/// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
-/// that sees the future, no torque that falls as the current of this record grows. Behind gears two
-/// encoders may stand, of which only the difference is known.
-fn believable(model: &Model, record: &Record) -> bool {
-    let Some(effect) = model.effects.last() else { return true };
-    let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
-    let inside = values.all(|(spec, value)| {
-        (value > spec.low || spec.low == 0.0) && (value < spec.high || spec.high == 0.0)
-    });
-    let ahead = effect.kind == Kind::SensorDelay && effect.values[0] < 0.0;
-    let falling =
-        effect.kind == Kind::TorqueSaturation && effect.values[0] < largest_current(record);
-    inside && !falling && !(ahead && model.stages.is_empty())
-}
-
 /// Whether a fit makes the samples that none has seen likelier than another, the simpler one.
 pub fn holds(problem: Problem<'_>, simpler: &Fit, fit: &Fit) -> Result<bool, BuildError> {
     let unseen: Vec<f64> = problem.mask.iter().map(|seen| 1.0 - seen).collect();
     let unseen = Problem { mask: &unseen, ..problem };
     let deviance = |fit: &Fit| unseen.design(&fit.model, &fit.noise).map(|run| run.deviance);
     Ok(deviance(fit)? <= deviance(simpler)?)
-}
-
-/// The largest current that a record shows, A; zero where it shows none.
-fn largest_current(record: &Record) -> f64 {
-    let finite =
-        |most: f64, value: f64| if value.is_finite() { most.max(value.abs()) } else { most };
-    match record.drive {
-        Drive::Current => record.drive_values.iter().copied().fold(0.0, finite),
-        Drive::Voltage => {
-            record.measured.iter().map(|row| row[Channel::Current as usize]).fold(0.0, finite)
-        }
-    }
 }
 
 /// The orders that are worth telling, strongest first.

@@ -43,6 +43,11 @@ pub struct Noise {
 }
 
 impl Noise {
+    /// The same with the model distrusted so many times as much.
+    pub fn distrusted(self, times: f64) -> Self {
+        Self { drive: times * self.drive, torque: times * self.torque, ..self }
+    }
+
     /// How many times what is expected the drive or the rotor needs, whichever needs more.
     pub fn times(&self, expected: &Noise) -> f64 {
         (self.torque / expected.torque).max(self.drive / expected.drive)

@@ -128,6 +128,30 @@ pub fn polish(
     problem.fit_from(known, origin, &fit.model, coordinates, &second, 4)
 }
 
+/// Polishes a fit until nothing is gained any more.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn polish_on(
+    problem: &Problem<'_>,
+    origin: &Model,
+    start: Fit,
+    expected: &Noise,
+) -> Result<Fit, BuildError> {
+    let mut best = start;
+    for _ in 0..ATTEMPTS {
+        let again = polish(problem, origin, &best.model, &best.coordinates, expected, &best.noise)?;
+        let gained = cost(&best) - cost(&again);
+        if gained > 0.0 {
+            best = again;
+        }
+        if gained <= WORTHWHILE {
+            break;
+        }
+    }
+    Ok(best)
+}
+
 /// Refits on until nothing is gained any more: polishing again as long as that helps, and from
 /// other springs where the noise is still beyond belief.
 ///

@@ -1,0 +1,109 @@
+//! Whether a name that fits is one to believe.
+//!
+//! A fit takes any value that makes the log likelier; a joint does not. What its law cannot be, and
+//! what a channel contradicts which is never fitted to, is no name.
+
+use joint_core::effect::Kind;
+use joint_core::joint::Drive;
+
+use super::contradiction::contradiction;
+use super::search::Search;
+use crate::estimate::record::{Channel, Record};
+use crate::model::Model;
+
+/// Share of the largest current at which a torque must still grow with the current.
+const RISING: f64 = 0.5;
+
+impl Search {
+    /// Whether a model's last effect is one that a joint can have and that no channel contradicts;
+    /// keeps what does.
+    pub fn believes(&mut self, model: &Model, record: &Record) -> bool {
+        if !believable(model, record) {
+            return false;
+        }
+        let Some(against) = contradiction(model, record) else { return true };
+        self.contradicted(against);
+        false
+    }
+
+    /// Keeps what speaks against a kind, once.
+    pub(super) fn contradicted(&mut self, against: (Kind, String)) {
+        if !self.contradictions.iter().any(|(kind, _)| *kind == against.0) {
+            self.contradictions.push(against);
+        }
+    }
+}
+
+/// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
+/// that sees the future, no torque that falls over half the range of this record's current. Behind gears
+/// two encoders may stand, of which only the difference is known.
+fn believable(model: &Model, record: &Record) -> bool {
+    let Some(effect) = model.effects.last() else { return true };
+    let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
+    let inside = values.all(|(spec, value)| {
+        (value > spec.low || spec.low == 0.0) && (value < spec.high || spec.high == 0.0)
+    });
+    let ahead = effect.kind == Kind::SensorDelay && effect.values[0] < 0.0;
+    let falling = effect.kind == Kind::TorqueSaturation
+        && effect.values[0] < RISING * largest_current(record);
+    inside && !falling && !(ahead && model.stages.is_empty())
+}
+
+/// The largest current that a record shows, A; zero where it shows none.
+fn largest_current(record: &Record) -> f64 {
+    let finite =
+        |most: f64, value: f64| if value.is_finite() { most.max(value.abs()) } else { most };
+    match record.drive {
+        Drive::Current => record.drive_values.iter().copied().fold(0.0, finite),
+        Drive::Voltage => {
+            record.measured.iter().map(|row| row[Channel::Current as usize]).fold(0.0, finite)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::EffectParameters;
+    use joint_core::params::Location;
+
+    use super::*;
+    use crate::demo::actuator;
+    use crate::log::Log;
+
+    /// Whether an effect is believed of a log with currents up to 1 A.
+    fn believed(effect: EffectParameters, geared: bool) -> bool {
+        let log = Log {
+            time_s: (0..400).map(|k| f64::from(k) * 1e-3).collect(),
+            voltage_v: Some(vec![1.0; 400]),
+            current_a: Some((0..400).map(|k| f64::from(k) / 399.0).collect()),
+            motor_angle_rad: vec![0.0; 400],
+            ..Log::default()
+        };
+        let mut model = actuator();
+        if !geared {
+            model.stages.clear();
+        }
+        model.effects.push(effect);
+        believable(&model, &Record::new(&log, None))
+    }
+
+    #[test]
+    fn a_torque_may_bend_at_the_largest_current_but_not_fall_over_half_the_range() {
+        let knee = |current: f64| {
+            let effect = EffectParameters::new(Kind::TorqueSaturation, Location::Motor);
+            believed(effect.with("current_a", current), true)
+        };
+        assert!(knee(2.0) && knee(0.75));
+        assert!(!knee(0.4));
+    }
+
+    #[test]
+    fn a_sensor_sees_the_future_only_beside_another() {
+        let delay = |seconds: f64, geared: bool| {
+            let effect = EffectParameters::new(Kind::SensorDelay, Location::Encoder);
+            believed(effect.with("delay_s", seconds), geared)
+        };
+        assert!(delay(1e-3, false) && delay(-1e-3, true));
+        assert!(!delay(-1e-3, false));
+    }
+}
