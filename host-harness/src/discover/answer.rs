@@ -13,14 +13,13 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use nalgebra::DMatrix;
 
+use super::confidence::{SEPARATION, confidence};
 use super::experiment::{Experiment, experiment};
-use super::findings::{
-    Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Rival, Verdict, Whereabouts,
-};
+use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
 use super::force::relative_force_error;
 use super::gate::{Remainder, rms};
 use super::next_experiment::advice;
-use super::search::{Round, Search, Stage, search};
+use super::search::{Search, Stage, search};
 use super::whereabouts::locate;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
@@ -43,10 +42,6 @@ const FINER: u32 = 4;
 const FINER_ROUNDS: usize = 2;
 /// Samples that are looked at; longer logs are thinned to stretches.
 const MOST_SAMPLES: usize = 60_000;
-/// Units of log-likelihood that separate two names by a factor e: friction laws and sensors that
-/// differ slightly from ours move likelihoods by some tens.
-const SEPARATION: f64 = 25.0;
-
 /// Why there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DiscoverError {
@@ -324,26 +319,6 @@ fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>
             }
         })
         .collect()
-}
-
-/// How sure a name is: its likelihood against those of the others that were refitted, each bounded
-/// by what slightly different laws would move, and less where the gate complains or another draw of
-/// the log would have had another winner.
-fn confidence(round: &Round, clean: bool) -> (f64, Vec<Rival>) {
-    let odds = |gain: f64| (-(round.gain - gain).max(0.0) / (2.0 * SEPARATION)).exp();
-    let unlisted = if clean { 0.02 } else { 1.0 };
-    let total = 1.0 + unlisted + round.rivals.iter().map(|rival| odds(rival.gain)).sum::<f64>();
-    let rivals = round
-        .rivals
-        .iter()
-        .map(|rival| Rival {
-            kind: rival.name.0.spec().kind.to_owned(),
-            location: rival.name.1.to_string(),
-            confidence: odds(rival.gain) / total,
-            gain: rival.gain,
-        })
-        .collect();
-    (round.stays_ahead / total, rivals)
 }
 
 /// An effect's values by key, and one sigma of those that were fitted.

@@ -7,6 +7,7 @@ mod belief;
 mod bootstrap;
 pub mod candidates;
 pub mod comb;
+mod confidence;
 mod contradiction;
 pub mod experiment;
 pub mod findings;
