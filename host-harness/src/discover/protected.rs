@@ -51,11 +51,7 @@ pub fn add_protected(
 ) -> Result<bool, BuildError> {
     let base = search.after.clone();
     let expected = search.expected;
-    let wary = Noise {
-        drive: DISTRUST * expected.drive,
-        torque: DISTRUST * expected.torque,
-        ..base.fit.noise
-    };
+    let wary = Noise { sensors: base.fit.noise.sensors, ..expected.distrusted(DISTRUST) };
     let pushes = disagreeing(&problem, &base, &wary)?;
     let Some((walk, protected)) = pushes.first().map(|(walk, fit)| (*walk, fit)) else {
         return Ok(false);

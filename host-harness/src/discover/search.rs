@@ -24,7 +24,6 @@ use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::noise;
-
 use crate::estimate::refit::{self, cost};
 use crate::interrupt;
 use crate::model::Model;
@@ -121,8 +120,8 @@ pub struct Search {
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
-    /// Effects with which the springs were settled last; none if never.
-    settled: usize,
+    /// What the fit cost whose springs were settled last.
+    settled: Option<f64>,
 }
 
 /// Runs the search.
@@ -152,7 +151,7 @@ pub fn search(
         contradictions: Vec::new(),
         withdrawn: withdrawn.to_vec(),
         expected,
-        settled: 0,
+        settled: None,
     };
     look(last, &mut search, bar)?;
     if search.rounds.is_empty() && !calm(&search.after.fit.noise, &search.expected) {
@@ -180,11 +179,11 @@ pub fn search(
     Ok(search)
 }
 
-/// Refits a model with effects once more, unless that was done since the last was added or dropped:
-/// what was missing may have held the springs in a wrong valley.
+/// Refits a model with effects once more, unless it is the one that this gave last: what was missing
+/// may have held the springs in a wrong valley.
 fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     let Stage { fit, origin } = &search.after;
-    if fit.model.effects.len() == search.settled {
+    if search.settled == Some(cost(fit)) {
         return Ok(());
     }
     let (model, moved, expected) = (&fit.model, &fit.coordinates, &search.expected);
@@ -196,7 +195,7 @@ fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> 
     if !calm(&best.noise, expected) {
         best = refit::converge(problem, origin, best, expected)?;
     }
-    search.settled = best.model.effects.len();
+    search.settled = Some(cost(&best));
     search.after = Stage { fit: best, origin: origin.clone() };
     Ok(())
 }
@@ -280,7 +279,7 @@ fn add_to_lost(
         }
         found |= added;
         let enough = if way == Annealed { LOST } else { CALM };
-        if found && excess(search) < enough {
+        if interrupt::asked() || found && excess(search) < enough {
             break;
         }
     }

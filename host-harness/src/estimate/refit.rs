@@ -71,8 +71,7 @@ pub fn resettle(
     let held = |c: &&Coordinate| !matches!(c, Coordinate::Parameter(Quantity::Inertia(1..)));
     let scaled: Vec<Coordinate> = coordinates.iter().filter(held).copied().collect();
     for distrust in if problem.cautious { &COOLING[..] } else { &[] } {
-        let (drive, torque) = (distrust * expected.drive, distrust * expected.torque);
-        let loose = Noise { drive, torque, ..expected };
+        let loose = expected.distrusted(*distrust);
         start = problem.fit(origin, &start, &scaled, &loose, COOLING_ROUNDS)?.model;
     }
     // Whatever the model misses is noise at first, or the parameters would bend to explain it.
@@ -140,16 +139,26 @@ pub fn polish_on(
 ) -> Result<Fit, BuildError> {
     let mut best = start;
     for _ in 0..ATTEMPTS {
-        let again = polish(problem, origin, &best.model, &best.coordinates, expected, &best.noise)?;
-        let gained = cost(&best) - cost(&again);
-        if gained > 0.0 {
-            best = again;
-        }
-        if gained <= WORTHWHILE {
+        if polished(problem, origin, &mut best, expected)? <= WORTHWHILE {
             break;
         }
     }
     Ok(best)
+}
+
+/// Polishes a fit once, if that gains anything; what it gained.
+fn polished(
+    problem: &Problem<'_>,
+    origin: &Model,
+    best: &mut Fit,
+    expected: &Noise,
+) -> Result<f64, BuildError> {
+    let again = polish(problem, origin, &best.model, &best.coordinates, expected, &best.noise)?;
+    let gained = cost(best) - cost(&again);
+    if gained > 0.0 {
+        *best = again;
+    }
+    Ok(gained)
 }
 
 /// Refits on until nothing is gained any more: polishing again as long as that helps, and from
@@ -165,12 +174,7 @@ pub fn converge(
 ) -> Result<Fit, BuildError> {
     let mut best = start;
     for attempt in 0..ATTEMPTS {
-        let again = polish(problem, origin, &best.model, &best.coordinates, expected, &best.noise)?;
-        let gained = cost(&best) - cost(&again);
-        if gained > 0.0 {
-            best = again;
-        }
-        if gained > WORTHWHILE {
+        if polished(problem, origin, &mut best, expected)? > WORTHWHILE {
             continue;
         }
         if attempt + 1 == ATTEMPTS || !doubtful(&best.noise, expected) {
@@ -209,8 +213,7 @@ pub fn cooled(
             let mut start = start.clone();
             let mut loose = *expected;
             for distrust in COOLING.into_iter().chain([DISTRUST]) {
-                let (drive, torque) = (distrust * expected.drive, distrust * expected.torque);
-                loose = Noise { drive, torque, ..fit.noise };
+                loose = Noise { sensors: fit.noise.sensors, ..expected.distrusted(distrust) };
                 let rounds = COOLING_ROUNDS;
                 start = problem.fit(origin, &start, &fit.coordinates, &loose, rounds)?.model;
             }
