@@ -247,4 +247,12 @@ fn a_drawn_benchmark_counts_what_it_scored() {
     // An answer that is wrong is kept with its log.
     let right = shares["false_alarms"]["count"] == 0;
     assert_eq!(folder.path().join("scores/0002/log.csv").exists(), !right);
+    let join = "score --join scores/score.json scores/score.json --out both --json";
+    let both = object(&joint(folder.path(), join));
+    assert_eq!(both["cases"], serde_json::json!([done["cases"][0], done["cases"][0]]));
+    assert_eq!(both["summary"]["shares"]["false_alarms"]["of"], 2);
+    std::fs::write(folder.path().join("no.json"), "{}").unwrap();
+    let refused = joint(folder.path(), "score --join no.json --out none");
+    assert!(!refused.status.success() && !folder.path().join("none").exists());
+    assert!(stderr(&refused).contains("no.json: missing field `cases`"), "{}", stderr(&refused));
 }

@@ -10,7 +10,7 @@ use crate::estimate::record::{CHANNELS, Channel};
 use crate::estimate::twin::null_innovations;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Most that the noise on the drive may exceed what is expected.
 const DRIVE_EXCESS: f64 = 3.0;
@@ -26,7 +26,7 @@ const BEYOND: f64 = 1e6;
 const LAGS: usize = 8;
 
 /// What a model leaves.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct Remainder {
     /// Noise on the drive over what is expected; one where the current is imposed.
     pub drive: f64,
@@ -128,7 +128,7 @@ impl Remainder {
 /// Variance and autocorrelations of one channel over the samples of a mask.
 fn moments(rows: &[[f64; CHANNELS]], mask: &[f64], c: usize) -> (f64, [f64; LAGS]) {
     let weight: f64 = mask.iter().sum::<f64>().max(1.0);
-    let at = |k: usize| mask[k] * rows[k][c];
+    let at = |k: usize| mask[k] * rows[k][c].abs().min(BEYOND).copysign(rows[k][c]);
     let variance = (0..rows.len()).map(|k| at(k).powi(2)).sum::<f64>() / weight;
     let colour = std::array::from_fn(|lag| {
         let products = (lag + 1..rows.len()).map(|k| at(k) * at(k - lag - 1));

@@ -11,6 +11,9 @@ use crate::estimate::refit::{self, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
+/// Share of all that was explained which an effect is not suspected of owing to its company.
+const MOST: f64 = 0.5;
+
 /// Drops effects, the first added first, that the others have made needless, or only those that a
 /// channel contradicts at the size that they have got by now.
 pub(super) fn drop_needless(
@@ -39,7 +42,9 @@ pub(super) fn drop_needless(
         let expected = &search.expected;
         let kept = cost(&search.after.fit);
         let mut fit = refit::polish(&problem, &origin, &start, &coordinates, expected, &noise)?;
-        if !origin.stages.is_empty() && cost(&fit) - kept >= LEAST_GAIN {
+        let lost = cost(&fit) - kept;
+        let most = MOST * (cost(&search.before.fit) - kept);
+        if !origin.stages.is_empty() && lost >= LEAST_GAIN && lost < most {
             // Behind gears the others may have settled in a hollow that only this one's company made.
             let again = refit::cooled(&problem, &origin, &fit, expected)?;
             if cost(&again) < cost(&fit) {

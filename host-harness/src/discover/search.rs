@@ -43,6 +43,8 @@ pub const WEAK: f64 = 5.0 * LEAST_GAIN;
 const LOST: f64 = 10.0;
 /// Times the expected noise from which on a push is tried first.
 const ADRIFT: f64 = 100.0;
+/// Share of the noise that is left where growing trust has found what is missing most.
+const EXPLAINED: f64 = 0.1;
 /// Times the expected noise from which on something is missing even if no score says what.
 const DOUBTED: f64 = 3.0;
 /// Times the expected noise below which nothing is left to explain.
@@ -245,9 +247,9 @@ enum Way {
 }
 
 /// Adds the best name to a base that is lost, by the way that explains most of the log; none is asked
-/// after one that leaves only noise, nor after growing trust where that leaves a model that is not lost.
-/// A push takes with it what changes slowly, a lost fit bends to what is large; one far adrift tells
-/// nothing, but for want of better.
+/// after one that leaves only noise, after two that agree, nor after growing trust where that leaves a
+/// model that is not lost, or a tenth of what there was. A push takes with it what changes slowly, a lost
+/// fit bends to what is large; one far adrift tells nothing, but for want of better.
 fn add_to_lost(
     problem: Problem<'_>,
     search: &mut Search,
@@ -262,6 +264,7 @@ fn add_to_lost(
         _ => [Annealed, Settled, Protected],
     };
     let base = search.clone();
+    let name = |search: &Search| search.rounds.last().map(|round| round.name);
     let mut found = false;
     for way in ways {
         if found && adrift && way == Settled {
@@ -273,13 +276,14 @@ fn add_to_lost(
             Annealed => add_annealed(problem, &mut other, round)?,
             Protected => add_protected(problem, &mut other, round)?,
         };
+        let agreed = found && added && name(&other) == name(search);
         let better = added && (!found || cost(&other.after.fit) < cost(&search.after.fit));
         if better || !found {
             *search = other;
         }
         found |= added;
-        let enough = if way == Annealed { LOST } else { CALM };
-        if interrupt::asked() || found && excess(search) < enough {
+        let enough = if way == Annealed { LOST.max(EXPLAINED * excess(&base)) } else { CALM };
+        if interrupt::asked() || agreed || found && excess(search) < enough {
             break;
         }
     }

@@ -56,7 +56,8 @@ pub fn twin(
     Ok(twin)
 }
 
-/// Innovations that a model leaves on its own twin.
+/// Innovations that a model leaves on its own twin. Where noise throws the twin beyond all numbers, they
+/// are what every right filter leaves: white, of variance one.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -69,5 +70,39 @@ pub fn null_innovations(
     let twin = twin(model, problem.record, noise, seed)?;
     let plant = plant(model, &twin.grid, twin.drive)?;
     let observer = Observer::new(model, &*plant, &twin);
-    Ok(observer.design(noise, &problem.walks()).1.innovations)
+    let mut rows = observer.design(noise, &problem.walks()).1.innovations;
+    if !rows.iter().flatten().all(|e| e.is_finite()) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for (row, measured) in rows.iter_mut().zip(&problem.record.measured) {
+            *row = measured.map(|value| match value.is_finite() {
+                true => StandardNormal.sample(&mut random),
+                false => 0.0,
+            });
+        }
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::noise::expected;
+    use crate::synthetic::{Experiment, record};
+
+    #[test]
+    fn a_twin_beyond_all_numbers_leaves_white_errors() {
+        let model = actuator();
+        let log = record(&model, &Experiment { duration_s: 0.2, ..Experiment::default() }, 3);
+        let record = Record::join(&[log.unwrap()], None).unwrap();
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask);
+        let wild = Noise { torque: 1e12, ..expected(&model, &record) };
+        let thrown = twin(&model, &record, &wild, 1).unwrap();
+        assert!(!thrown.measured.iter().flatten().all(|value| value.is_finite()));
+        let rows = null_innovations(&model, &problem, &wild, 1).unwrap();
+        let seen: Vec<f64> = rows.iter().flatten().copied().filter(|e| *e != 0.0).collect();
+        let variance = seen.iter().map(|e| e * e).sum::<f64>() / seen.len() as f64;
+        assert!((variance - 1.0).abs() < 0.15, "{variance} of {}", seen.len());
+    }
 }

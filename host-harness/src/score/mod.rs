@@ -52,7 +52,7 @@ pub struct Case {
 }
 
 /// One row of `score.json`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct Row {
     /// The case.
     pub case: String,
@@ -114,6 +114,23 @@ pub fn cases(set: &Path, kinds: &[String]) -> Result<Vec<Case>, String> {
             || case.effects.iter().all(|effect| kinds.contains(&effect.kind))
     };
     Ok(all.into_iter().filter(|case| case.verdict != "unscored" && listed(case)).collect())
+}
+
+/// The rows of a `score.json` written before, as those of a benchmark shared over machines.
+///
+/// # Errors
+/// The file cannot be read, or is no `score.json`.
+pub fn rows(path: &Path) -> Result<Vec<Row>, String> {
+    #[derive(Deserialize)]
+    struct Written {
+        cases: Vec<Row>,
+    }
+    let told = |error: &dyn std::fmt::Display| {
+        format!("{}: {error}; give a score.json that `joint score` wrote", path.display())
+    };
+    let text = std::fs::read_to_string(path).map_err(|error| told(&error))?;
+    let written: Written = serde_json::from_str(&text).map_err(|error| told(&error))?;
+    Ok(written.cases)
 }
 
 /// A case's model and log.

@@ -14,7 +14,7 @@ use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
 use crate::score::blind::{Trial, trial};
-use crate::score::{Row, Summary, cases, files, row, table};
+use crate::score::{Row, Summary, cases, files, row, rows, table};
 
 /// Run discover over logs whose truth is known, and score it
 ///
@@ -23,10 +23,11 @@ use crate::score::{Row, Summary, cases, files, row, table};
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint score --set practice --out scores
-  joint score --simulate 48 --out scores")]
+  joint score --simulate 48 --out scores
+  joint score --join here/score.json there/score.json --out both")]
 pub struct Args {
     /// Folder with `truth.json` and a folder a case, each with a log and `nominal.toml`
-    #[arg(long, value_name = "DIR", required_unless_present = "simulate")]
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["simulate", "join"])]
     pub set: Option<PathBuf>,
     /// Score on so many joints drawn at random instead
     #[arg(long, value_name = "N", conflicts_with = "set")]
@@ -37,6 +38,9 @@ pub struct Args {
     /// The first of the draws to run, so that several machines can share one benchmark
     #[arg(long, value_name = "N", default_value_t = 0, requires = "simulate")]
     pub from: u64,
+    /// Score the cases of earlier results together, as of a benchmark shared over machines
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["set", "simulate"])]
+    pub join: Vec<PathBuf>,
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -54,7 +58,8 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     interrupt::watch();
     let rows = match (&args.set, args.simulate) {
         (Some(set), _) => of_set(set, args, &out, common)?,
-        (None, count) => drawn(args.seed, args.from..args.from + count.unwrap_or(0), &out, common)?,
+        (None, Some(count)) => drawn(args.seed, args.from..args.from + count, &out, common)?,
+        (None, None) => joined(&args.join)?,
     };
     // An interrupted score is that of the cases before.
     let summary = Summary::of(&rows);
@@ -63,6 +68,11 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
     out.write("score.json", pretty)?;
     Ok(Outcome::done(json, table(&rows, &summary)))
+}
+
+fn joined(paths: &[PathBuf]) -> Result<Vec<Row>, Failure> {
+    let all: Result<Vec<_>, _> = paths.iter().map(|path| rows(path)).collect();
+    Ok(all.map_err(Failure::input)?.concat())
 }
 
 fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<Row>, Failure> {
