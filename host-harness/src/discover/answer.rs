@@ -97,7 +97,7 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
-    if !remainder.is_noise() && !found.rounds.is_empty() && !interrupt::asked() {
+    if !found.rounds.is_empty() && !remainder.complaints(false).is_empty() && !interrupt::asked() {
         // The step itself may be what is not noise: gaps and load-following friction ask for more.
         let finer = coarse.refined(micro_steps * FINER);
         let problem = Problem::new(&finer, &fitted);
@@ -106,7 +106,7 @@ pub fn discover_without(
         let noise = noise::refine(&problem, model, expected, &fit.noise)?;
         let better = problem.rough().fit(origin, model, moved, &noise, FINER_ROUNDS)?;
         let mut left = Remainder::of(&problem, &better, expected, &fitted)?;
-        if left.complaints().len() < remainder.complaints().len()
+        if left.complaints(false).len() < remainder.complaints(false).len()
             || left.torque < 0.7 * remainder.torque
         {
             let (model, noise) = (&better.model, &better.noise);
@@ -140,7 +140,7 @@ pub fn discover_without(
     let judged = Fit { noise, ..after.clone() };
     let floor = Remainder::of(&problem, &judged, &found.expected, &tested)?;
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
-    let complaints = remainder.complaints();
+    let complaints = remainder.complaints(found.rounds.is_empty());
     let answer = match (found.rounds.is_empty(), complaints.is_empty()) {
         (true, true) if interrupt::asked() => Answer::Unknown,
         (true, true) => Answer::Adequate,

@@ -14,8 +14,10 @@ use serde::{Deserialize, Serialize};
 
 /// Most that the noise on the drive may exceed what is expected.
 const DRIVE_EXCESS: f64 = 3.0;
-/// Most that the noise on the rotor may exceed what is expected.
+/// Most that the noise on the rotor may exceed what is expected: of a model to which effects were added,
+/// and of the plain one, which has no law of an effect that may be slightly other than the joint's.
 const TORQUE_EXCESS: f64 = 4.5;
+const PLAIN_TORQUE_EXCESS: f64 = 2.2;
 /// Most that an autocorrelation may differ from the twins'.
 const COLOUR: f64 = 0.1;
 /// Most that a channel's variance may differ from the twins', relative.
@@ -85,21 +87,17 @@ impl Remainder {
         Ok(remainder)
     }
 
-    /// Whether this is noise.
-    pub fn is_noise(&self) -> bool {
-        self.complaints().is_empty()
-    }
-
-    /// Why it is not.
-    pub fn complaints(&self) -> Vec<String> {
+    /// Why this is not noise; `plain` of a model to which nothing was added.
+    pub fn complaints(&self, plain: bool) -> Vec<String> {
         let mut all = Vec::new();
+        let torque = if plain { PLAIN_TORQUE_EXCESS } else { TORQUE_EXCESS };
         if self.drive > DRIVE_EXCESS {
             all.push(format!(
                 "it needs {:.1} times the noise on the drive that is expected",
                 self.drive
             ));
         }
-        if self.torque > TORQUE_EXCESS {
+        if self.torque > torque {
             all.push(format!(
                 "it needs {:.1} times the noise on the rotor torque that is expected",
                 self.torque

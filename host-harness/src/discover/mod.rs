@@ -21,6 +21,7 @@ pub mod next_experiment;
 pub mod protected;
 pub mod score_test;
 pub mod search;
+mod ways;
 pub mod whereabouts;
 
 pub use answer::{DiscoverError, STEPS, discover, discover_without};

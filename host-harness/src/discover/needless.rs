@@ -4,7 +4,7 @@ use joint_core::effect::Kind;
 use joint_core::joint::Drive;
 
 use super::contradiction::contradiction;
-use super::search::{LEAST_GAIN, Search, Stage};
+use super::search::{LEAST_GAIN, Search, Stage, WEAK, holds};
 use crate::estimate::fit::Problem;
 use crate::estimate::parameters::Quantity;
 use crate::estimate::refit::{self, cost};
@@ -21,45 +21,54 @@ pub(super) fn drop_needless(
     search: &mut Search,
     contradicted: bool,
 ) -> Result<(), BuildError> {
-    let added = search.before.origin.effects.len();
     let mut k = 0;
     while k < search.rounds.len() {
-        let place = added + k;
-        let mut last = search.after.fit.model.clone();
-        let own = last.effects.remove(place);
-        last.effects.push(own);
-        let against = contradiction(&last, problem.record);
-        if against.is_none() && (contradicted || search.rounds.len() == 1) {
+        let against = {
+            let mut last = search.after.fit.model.clone();
+            let own = last.effects.remove(search.place(k));
+            last.effects.push(own);
+            contradiction(&last, problem.record)
+        };
+        let sure = search.rounds.len() == 1 && search.rounds[k].gain >= WEAK;
+        if against.is_none() && (contradicted || sure) {
             k += 1;
             continue;
         }
-        let mut origin = search.after.origin.clone();
-        origin.effects.remove(place);
-        let start = without(&search.after.fit.model, place);
-        let coordinates: Vec<_> =
-            search.after.fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
-        let noise = search.after.fit.noise;
-        let expected = &search.expected;
+        let mut bare = bare(problem, search, k)?;
         let kept = cost(&search.after.fit);
-        let mut fit = refit::polish(&problem, &origin, &start, &coordinates, expected, &noise)?;
-        let lost = cost(&fit) - kept;
+        let lost = cost(&bare.fit) - kept;
         let most = MOST * (cost(&search.before.fit) - kept);
-        if !origin.stages.is_empty() && lost >= LEAST_GAIN && lost < most {
+        if !bare.origin.stages.is_empty() && lost >= LEAST_GAIN && lost < most {
             // Behind gears the others may have settled in a hollow that only this one's company made.
-            let again = refit::cooled(&problem, &origin, &fit, expected)?;
-            if cost(&again) < cost(&fit) {
-                fit = again;
+            let again = refit::cooled(&problem, &bare.origin, &bare.fit, &search.expected)?;
+            if cost(&again) < cost(&bare.fit) {
+                bare.fit = again;
             }
         }
-        if against.is_some() || cost(&fit) - kept < LEAST_GAIN {
+        let lost = cost(&bare.fit) - kept;
+        let needed =
+            lost >= WEAK || lost >= LEAST_GAIN && holds(problem, &bare.fit, &search.after.fit)?;
+        if against.is_some() || !needed {
             against.into_iter().for_each(|against| search.contradicted(against));
-            search.after = Stage { fit, origin };
+            search.after = bare;
             search.rounds.remove(k);
         } else {
             k += 1;
         }
     }
     Ok(())
+}
+
+/// What is left without the effect of round `k`, refitted from where its company stands.
+fn bare(problem: Problem<'_>, search: &Search, k: usize) -> Result<Stage, BuildError> {
+    let place = search.place(k);
+    let Stage { fit, origin } = &search.after;
+    let mut origin = origin.clone();
+    origin.effects.remove(place);
+    let start = without(&fit.model, place);
+    let moved: Vec<_> = fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
+    let fit = refit::polish(&problem, &origin, &start, &moved, &search.expected, &fit.noise)?;
+    Ok(Stage { fit, origin })
 }
 
 /// A model without one of its effects, as near as parameters can bring it.

@@ -18,8 +18,8 @@ use super::followed::{Followed, followed};
 use super::hypothesis::{Hypothesis, first_of_each};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
-    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
-    bared, calm, holds, threshold, title,
+    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WORTH_ANOTHER, add_settled, bared,
+    calm, counts, threshold, title,
 };
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -155,7 +155,8 @@ pub(super) fn conclude(
     let expected = search.expected;
     let mut tried = tried.into_iter();
     let Some((winner, stage)) = tried.next() else { return Ok(false) };
-    if winner.gain < LEAST_GAIN || winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit)? {
+    let least = winner.gain >= LEAST_GAIN;
+    if !least || !counts(problem, &base.fit, &stage.fit, winner.gain, &expected)? {
         return Ok(false);
     }
     let plain = bared(&problem, &base, &stage, &expected)?;

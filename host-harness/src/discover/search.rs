@@ -20,6 +20,7 @@ use super::hypothesis::{Hypothesis, first_of_each};
 use super::needless::{drop_needless, without};
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
+use super::ways::add_to_lost;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
@@ -40,15 +41,13 @@ pub const LEAST_GAIN: f64 = 60.0;
 pub const WEAK: f64 = 5.0 * LEAST_GAIN;
 /// Times the expected noise from which on a refitted nominal is lost: no linear step from there
 /// can be believed.
-const LOST: f64 = 10.0;
-/// Times the expected noise from which on a push is tried first.
-const ADRIFT: f64 = 100.0;
-/// Share of the noise that is left where growing trust has found what is missing most.
-const EXPLAINED: f64 = 0.1;
+pub const LOST: f64 = 10.0;
 /// Times the expected noise from which on something is missing even if no score says what.
 const DOUBTED: f64 = 3.0;
 /// Times the expected noise below which nothing is left to explain.
-const CALM: f64 = 1.5;
+pub const CALM: f64 = 1.5;
+/// Most of the noise that a name may leave of a lost base to be followed by another.
+const HELPS: f64 = 0.8;
 /// What a base must owe to its challengers for the round to be worth another look.
 pub const WORTH_ANOTHER: f64 = 20.0;
 /// Looks at one round.
@@ -124,6 +123,13 @@ pub struct Search {
     pub expected: Noise,
     /// What the fit cost whose springs were settled last.
     settled: Option<f64>,
+}
+
+impl Search {
+    /// Where the effect of round `k` stands among those of the improved model.
+    pub fn place(&self, k: usize) -> usize {
+        self.before.origin.effects.len() + k
+    }
 }
 
 /// Runs the search.
@@ -204,90 +210,40 @@ fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> 
 
 /// Adds effects until no more is found.
 fn look(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
-    let problem = last.rough();
     for round in 1..=MOST_EFFECTS {
-        if interrupt::asked() {
-            break;
-        }
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
-        if !search.rounds.is_empty() && (DOUBTED..LOST).contains(&excess(search)) {
-            settle(&last, search)?;
+        let before = excess(search);
+        if interrupt::asked() || !add(last, search, round)? {
+            break;
         }
-        let excess = excess(search);
-        if excess > LOST && add_to_lost(problem, search, round)?
-            || excess <= LOST && add_settled(problem, search, round)?
-            // Noise that swallows what is missing hides it from the plain test as well.
-            || excess > DOUBTED
-                && excess <= LOST
-                && (add_annealed(problem, search, round)?
-                    || add_protected(problem, search, round)?)
-        {
-            continue;
+        let left = excess(search);
+        // Names that leave a model as lost as it was explain nothing; the first may wait for company.
+        if search.rounds.len() > 1 && left > LOST && left > HELPS * before {
+            break;
         }
-        break;
     }
     Ok(())
 }
 
-/// How many times the noise that is expected the fit needs.
-fn excess(search: &Search) -> f64 {
-    search.after.fit.noise.times(&search.expected)
-}
-
-/// How a name is looked for.
-#[derive(Clone, Copy, PartialEq)]
-enum Way {
-    /// By one linear step from the base.
-    Settled,
-    /// With trust that grows.
-    Annealed,
-    /// Beside a push.
-    Protected,
-}
-
-/// Adds the best name to a base that is lost, by the way that explains most of the log; none is asked
-/// after one that leaves only noise, after two that agree, nor after growing trust where that leaves a
-/// model that is not lost, or a tenth of what there was. A push takes with it what changes slowly, a lost
-/// fit bends to what is large; one far adrift tells nothing, but for want of better.
-fn add_to_lost(
-    problem: Problem<'_>,
-    search: &mut Search,
-    round: usize,
-) -> Result<bool, BuildError> {
-    use Way::{Annealed, Protected, Settled};
-    let adrift = excess(search) > ADRIFT;
-    let ways = match search.before.origin.stages.len() {
-        _ if adrift => [Annealed, Protected, Settled],
-        0 | 1 => [Settled, Annealed, Protected],
-        // Behind two gears short fits end in hollows.
-        _ => [Annealed, Settled, Protected],
-    };
-    let base = search.clone();
-    let name = |search: &Search| search.rounds.last().map(|round| round.name);
-    let mut found = false;
-    for way in ways {
-        if found && adrift && way == Settled {
-            break;
-        }
-        let mut other = base.clone();
-        let added = match way {
-            Settled => add_settled(problem, &mut other, round)?,
-            Annealed => add_annealed(problem, &mut other, round)?,
-            Protected => add_protected(problem, &mut other, round)?,
-        };
-        let agreed = found && added && name(&other) == name(search);
-        let better = added && (!found || cost(&other.after.fit) < cost(&search.after.fit));
-        if better || !found {
-            *search = other;
-        }
-        found |= added;
-        let enough = if way == Annealed { LOST.max(EXPLAINED * excess(&base)) } else { CALM };
-        if interrupt::asked() || agreed || found && excess(search) < enough {
-            break;
-        }
+/// Adds the effect that explains most of what is left, if there is one.
+fn add(last: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
+    let problem = last.rough();
+    if !search.rounds.is_empty() && (DOUBTED..LOST).contains(&excess(search)) {
+        settle(&last, search)?;
     }
-    Ok(found)
+    let excess = excess(search);
+    Ok(excess > LOST && add_to_lost(problem, search, round)?
+        || excess <= LOST && add_settled(problem, search, round)?
+        // Noise that swallows what is missing hides it from the plain test as well.
+        || excess > DOUBTED
+            && excess <= LOST
+            && (add_annealed(problem, search, round)? || add_protected(problem, search, round)?))
+}
+
+/// How many times the noise that is expected the fit needs.
+pub fn excess(search: &Search) -> f64 {
+    search.after.fit.noise.times(&search.expected)
 }
 
 /// Whether a fit needs little more noise than is expected.
@@ -402,7 +358,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let mut stages = full.into_iter().map(|(_, stage)| stage);
     let Some(won) = stages.next() else { return Ok(Look::Nothing) };
     let plain = Fit { noise, ..base.fit.clone() };
-    if winner.gain < WEAK && !holds(problem, &plain, &won.fit)? {
+    if !counts(problem, &plain, &won.fit, winner.gain, &search.expected)? {
         return Ok(Look::Nothing);
     }
     let plain = bared(&problem, &base, &won, &search.expected)?;
@@ -451,6 +407,18 @@ pub fn bared(
         }
     }
     Ok(Stage { fit, origin: base.origin.clone() })
+}
+
+/// Whether a gain over a simpler fit counts: a weak one has to make the samples that no fit has seen
+/// likelier as well. In a lost model a name may show only beside another, and is asked in the end.
+pub fn counts(
+    problem: Problem<'_>,
+    simpler: &Fit,
+    fit: &Fit,
+    gain: f64,
+    expected: &Noise,
+) -> Result<bool, BuildError> {
+    Ok(gain >= WEAK || simpler.noise.times(expected) > LOST || holds(problem, simpler, fit)?)
 }
 
 /// Whether a fit makes the samples that none has seen likelier than another, the simpler one.

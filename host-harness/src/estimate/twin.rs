@@ -97,7 +97,7 @@ mod tests {
         let record = Record::join(&[log.unwrap()], None).unwrap();
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
-        let wild = Noise { torque: 1e12, ..expected(&model, &record) };
+        let wild = Noise { torque: 1e200, ..expected(&model, &record) };
         let thrown = twin(&model, &record, &wild, 1).unwrap();
         assert!(!thrown.measured.iter().flatten().all(|value| value.is_finite()));
         let rows = null_innovations(&model, &problem, &wild, 1).unwrap();

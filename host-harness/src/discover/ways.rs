@@ -1,0 +1,74 @@
+//! How a name is looked for where the base is lost: in which order the ways are asked, and when one has
+//! said enough.
+
+use super::annealed::add_annealed;
+use super::protected::add_protected;
+use super::search::{CALM, LOST, Search, WEAK, add_settled, excess};
+use crate::estimate::fit::Problem;
+use crate::estimate::refit::cost;
+use crate::interrupt;
+use crate::plant::BuildError;
+
+/// Times the expected noise from which on a fit tells nothing, but for want of better.
+const ADRIFT: f64 = 100.0;
+/// Share of the noise that is left where growing trust has found what is missing most.
+const EXPLAINED: f64 = 0.1;
+
+/// How a name is looked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// By one linear step from the base.
+    Settled,
+    /// With trust that grows.
+    Annealed,
+    /// Beside a push.
+    Protected,
+}
+
+/// Adds the best name to a base that is lost, by the way that explains most of the log; none is asked
+/// after one that leaves only noise, after two that agree, nor after growing trust where that leaves a
+/// model that is not lost, or a tenth of what there was. A push takes with it what changes slowly, and a lost
+/// fit bends to what is large.
+pub(super) fn add_to_lost(
+    problem: Problem<'_>,
+    search: &mut Search,
+    round: usize,
+) -> Result<bool, BuildError> {
+    use Way::{Annealed, Protected, Settled};
+    let adrift = excess(search) > ADRIFT;
+    let ways = match search.before.origin.stages.len() {
+        _ if adrift => [Annealed, Protected, Settled],
+        0 | 1 => [Settled, Annealed, Protected],
+        // Behind two gears short fits end in hollows.
+        _ => [Annealed, Settled, Protected],
+    };
+    let base = search.clone();
+    let name = |search: &Search| search.rounds.last().map(|round| round.name);
+    // A weak name, which the unseen samples need not bear out here, is for want of a strong one.
+    let rank = |search: &Search| {
+        let weak = search.rounds.last().is_some_and(|round| round.gain < WEAK);
+        (weak, cost(&search.after.fit))
+    };
+    let mut found = false;
+    for way in ways {
+        if found && adrift && way == Settled {
+            break;
+        }
+        let mut other = base.clone();
+        let added = match way {
+            Settled => add_settled(problem, &mut other, round)?,
+            Annealed => add_annealed(problem, &mut other, round)?,
+            Protected => add_protected(problem, &mut other, round)?,
+        };
+        let agreed = found && added && !rank(search).0 && name(&other) == name(search);
+        if !found || added && rank(&other) < rank(search) {
+            *search = other;
+        }
+        found |= added;
+        let enough = if way == Annealed { LOST.max(EXPLAINED * excess(&base)) } else { CALM };
+        if interrupt::asked() || agreed || found && excess(search) < enough {
+            break;
+        }
+    }
+    Ok(found)
+}
