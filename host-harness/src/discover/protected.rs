@@ -18,8 +18,8 @@ use super::followed::{Followed, followed};
 use super::hypothesis::{Hypothesis, first_of_each};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
-    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WORTH_ANOTHER, add_settled, bared,
-    calm, counts, threshold, title,
+    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
+    bared, calm, holds, threshold, title,
 };
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -155,8 +155,11 @@ pub(super) fn conclude(
     let expected = search.expected;
     let mut tried = tried.into_iter();
     let Some((winner, stage)) = tried.next() else { return Ok(false) };
-    let least = winner.gain >= LEAST_GAIN;
-    if !least || !counts(problem, &base.fit, &stage.fit, winner.gain, &expected)? {
+    if winner.gain < LEAST_GAIN {
+        return Ok(false);
+    }
+    if winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit)? {
+        search.hope(winner, stage);
         return Ok(false);
     }
     let plain = bared(&problem, &base, &stage, &expected)?;

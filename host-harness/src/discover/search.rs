@@ -123,6 +123,8 @@ pub struct Search {
     pub expected: Noise,
     /// What the fit cost whose springs were settled last.
     settled: Option<f64>,
+    /// The best of the weak names that no unseen sample bears out.
+    pub(super) hope: Option<(Contender, Stage)>,
 }
 
 impl Search {
@@ -160,6 +162,7 @@ pub fn search(
         withdrawn: withdrawn.to_vec(),
         expected,
         settled: None,
+        hope: None,
     };
     look(last, &mut search, bar)?;
     if search.rounds.is_empty() && !calm(&search.after.fit.noise, &search.expected) {
@@ -170,8 +173,12 @@ pub fn search(
             let found = Stage { fit: again, origin: origin.clone() };
             search.before = found.clone();
             search.after = found;
+            search.hope = None;
             look(last, &mut search, bar)?;
         }
+    }
+    if search.rounds.is_empty() && excess(&search) > LOST {
+        try_hope(last, &mut search, bar)?;
     }
     if interrupt::asked() {
         return Ok(search);
@@ -210,7 +217,7 @@ fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> 
 
 /// Adds effects until no more is found.
 fn look(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
-    for round in 1..=MOST_EFFECTS {
+    for round in search.rounds.len() + 1..=MOST_EFFECTS {
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
         let before = excess(search);
@@ -218,7 +225,7 @@ fn look(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(),
             break;
         }
         let left = excess(search);
-        // Names that leave a model as lost as it was explain nothing; the first may wait for company.
+        // Names that leave a model as lost as it was explain nothing; the first may lack company.
         if search.rounds.len() > 1 && left > LOST && left > HELPS * before {
             break;
         }
@@ -239,6 +246,21 @@ fn add(last: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, Bui
         || excess > DOUBTED
             && excess <= LOST
             && (add_annealed(problem, search, round)? || add_protected(problem, search, round)?))
+}
+
+/// Adds the name that was hoped for, if another one beside it explains what is missing: of two effects that
+/// hide each other, either alone explains next to nothing.
+fn try_hope(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+    let Some((Contender { name, gain }, stage)) = search.hope.take() else { return Ok(()) };
+    let mut other = search.clone();
+    let stays_ahead = stays_ahead(&stage.fit, &[&search.after.fit], last.mask);
+    other.rounds.push(Round { name, gain, rivals: Vec::new(), runner_up: None, stays_ahead });
+    other.after = stage;
+    look(last, &mut other, bar)?;
+    if other.rounds.len() > 1 && excess(&other) < HELPS * excess(search) {
+        *search = other;
+    }
+    Ok(())
 }
 
 /// How many times the noise that is expected the fit needs.
@@ -358,7 +380,8 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let mut stages = full.into_iter().map(|(_, stage)| stage);
     let Some(won) = stages.next() else { return Ok(Look::Nothing) };
     let plain = Fit { noise, ..base.fit.clone() };
-    if !counts(problem, &plain, &won.fit, winner.gain, &search.expected)? {
+    if winner.gain < WEAK && !holds(problem, &plain, &won.fit)? {
+        search.hope(contenders[0].clone(), won);
         return Ok(Look::Nothing);
     }
     let plain = bared(&problem, &base, &won, &search.expected)?;
@@ -407,18 +430,6 @@ pub fn bared(
         }
     }
     Ok(Stage { fit, origin: base.origin.clone() })
-}
-
-/// Whether a gain over a simpler fit counts: a weak one has to make the samples that no fit has seen
-/// likelier as well. In a lost model a name may show only beside another, and is asked in the end.
-pub fn counts(
-    problem: Problem<'_>,
-    simpler: &Fit,
-    fit: &Fit,
-    gain: f64,
-    expected: &Noise,
-) -> Result<bool, BuildError> {
-    Ok(gain >= WEAK || simpler.noise.times(expected) > LOST || holds(problem, simpler, fit)?)
 }
 
 /// Whether a fit makes the samples that none has seen likelier than another, the simpler one.

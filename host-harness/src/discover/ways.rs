@@ -3,7 +3,7 @@
 
 use super::annealed::add_annealed;
 use super::protected::add_protected;
-use super::search::{CALM, LOST, Search, WEAK, add_settled, excess};
+use super::search::{CALM, LOST, Search, add_settled, excess};
 use crate::estimate::fit::Problem;
 use crate::estimate::refit::cost;
 use crate::interrupt;
@@ -44,24 +44,20 @@ pub(super) fn add_to_lost(
     };
     let base = search.clone();
     let name = |search: &Search| search.rounds.last().map(|round| round.name);
-    // A weak name, which the unseen samples need not bear out here, is for want of a strong one.
-    let rank = |search: &Search| {
-        let weak = search.rounds.last().is_some_and(|round| round.gain < WEAK);
-        (weak, cost(&search.after.fit))
-    };
     let mut found = false;
     for way in ways {
         if found && adrift && way == Settled {
             break;
         }
         let mut other = base.clone();
+        other.hope = search.hope.take();
         let added = match way {
             Settled => add_settled(problem, &mut other, round)?,
             Annealed => add_annealed(problem, &mut other, round)?,
             Protected => add_protected(problem, &mut other, round)?,
         };
-        let agreed = found && added && !rank(search).0 && name(&other) == name(search);
-        if !found || added && rank(&other) < rank(search) {
+        let agreed = found && added && name(&other) == name(search);
+        if !found || added && cost(&other.after.fit) < cost(&search.after.fit) {
             *search = other;
         }
         found |= added;
