@@ -42,6 +42,7 @@ const FINER: u32 = 4;
 const FINER_ROUNDS: usize = 2;
 /// Samples that are looked at; longer logs are thinned to stretches.
 const MOST_SAMPLES: usize = 60_000;
+
 /// Why there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DiscoverError {
