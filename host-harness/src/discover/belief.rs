@@ -7,9 +7,8 @@ use joint_core::effect::Kind;
 use joint_core::joint::Drive;
 
 use super::contradiction::contradiction;
-use super::search::{Contender, Search, Stage};
+use super::search::Search;
 use crate::estimate::record::{Channel, Record};
-use crate::estimate::refit::cost;
 use crate::model::Model;
 
 /// Share of the largest current at which a torque must still grow with the current.
@@ -25,15 +24,6 @@ impl Search {
         let Some(against) = contradiction(model, record) else { return true };
         self.contradicted(against);
         false
-    }
-
-    /// Keeps a weak name that the unseen samples do not bear out, if it is the best of its like: it may
-    /// show beside another.
-    pub(super) fn hope(&mut self, contender: Contender, stage: Stage) {
-        let best = self.hope.as_ref().is_none_or(|(_, best)| cost(&stage.fit) < cost(&best.fit));
-        if best && self.rounds.is_empty() {
-            self.hope = Some((contender, stage));
-        }
     }
 
     /// Keeps what speaks against a kind, once.

@@ -149,3 +149,28 @@ pub fn rms(rows: &[[f64; CHANNELS]], mask: &[f64], channel: Option<usize>) -> f6
     }
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_that_an_effect_may_leave_is_too_much_for_a_plain_model() {
+        let complaints = |torque: f64, plain: bool| {
+            Remainder { drive: 1.0, torque, ..Remainder::default() }.complaints(plain).len()
+        };
+        assert_eq!([complaints(1.6, true), complaints(3.0, true)], [0, 1]);
+        assert_eq!([complaints(3.0, false), complaints(5.0, false)], [0, 1]);
+    }
+
+    #[test]
+    fn what_is_not_noise_is_told_by_channel() {
+        let mut remainder = Remainder { drive: 1.0, torque: 1.0, ..Remainder::default() };
+        remainder.colour[Channel::Motor as usize] = 0.3;
+        remainder.variance[Channel::Output as usize] = 2.0;
+        let complaints = remainder.complaints(true);
+        assert_eq!(complaints.len(), 2);
+        assert!(complaints[0].contains("motor_angle_rad") && complaints[0].contains("0.30"));
+        assert!(complaints[1].contains("output_angle_rad") && complaints[1].contains("2.00"));
+    }
+}

@@ -60,7 +60,7 @@ pub(super) fn drop_needless(
 }
 
 /// What is left without the effect of round `k`, refitted from where its company stands.
-fn bare(problem: Problem<'_>, search: &Search, k: usize) -> Result<Stage, BuildError> {
+pub(super) fn bare(problem: Problem<'_>, search: &Search, k: usize) -> Result<Stage, BuildError> {
     let place = search.place(k);
     let Stage { fit, origin } = &search.after;
     let mut origin = origin.clone();

@@ -16,8 +16,10 @@ use super::annealed::add_annealed;
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
+use super::hope::try_hope;
 use super::hypothesis::{Hypothesis, first_of_each};
 use super::needless::{drop_needless, without};
+use super::order::ask_order;
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
 use super::ways::add_to_lost;
@@ -47,7 +49,7 @@ const DOUBTED: f64 = 3.0;
 /// Times the expected noise below which nothing is left to explain.
 pub const CALM: f64 = 1.5;
 /// Most of the noise that a name may leave of a lost base to be followed by another.
-const HELPS: f64 = 0.8;
+pub(super) const HELPS: f64 = 0.8;
 /// What a base must owe to its challengers for the round to be worth another look.
 pub const WORTH_ANOTHER: f64 = 20.0;
 /// Looks at one round.
@@ -216,13 +218,20 @@ fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> 
 }
 
 /// Adds effects until no more is found.
-fn look(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+pub(super) fn look(
+    last: Problem<'_>,
+    search: &mut Search,
+    bar: &ProgressBar,
+) -> Result<(), BuildError> {
     for round in search.rounds.len() + 1..=MOST_EFFECTS {
         bar.inc(1);
         bar.set_message(format!("looking for an effect, round {round}"));
-        let before = excess(search);
+        let (before, known) = (excess(search), search.rounds.len());
         if interrupt::asked() || !add(last, search, round)? {
             break;
+        }
+        for k in known..search.rounds.len() {
+            ask_order(last.rough(), search, k)?;
         }
         let left = excess(search);
         // Names that leave a model as lost as it was explain nothing; the first may lack company.
@@ -246,21 +255,6 @@ fn add(last: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, Bui
         || excess > DOUBTED
             && excess <= LOST
             && (add_annealed(problem, search, round)? || add_protected(problem, search, round)?))
-}
-
-/// Adds the name that was hoped for, if another one beside it explains what is missing: of two effects that
-/// hide each other, either alone explains next to nothing.
-fn try_hope(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
-    let Some((Contender { name, gain }, stage)) = search.hope.take() else { return Ok(()) };
-    let mut other = search.clone();
-    let stays_ahead = stays_ahead(&stage.fit, &[&search.after.fit], last.mask);
-    other.rounds.push(Round { name, gain, rivals: Vec::new(), runner_up: None, stays_ahead });
-    other.after = stage;
-    look(last, &mut other, bar)?;
-    if other.rounds.len() > 1 && excess(&other) < HELPS * excess(search) {
-        *search = other;
-    }
-    Ok(())
 }
 
 /// How many times the noise that is expected the fit needs.

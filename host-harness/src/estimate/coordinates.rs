@@ -102,6 +102,11 @@ impl Coordinate {
         }
     }
 
+    /// Whether it moves this value of this effect of the model.
+    pub fn is_of(&self, of: usize, number: usize) -> bool {
+        matches!(*self, Coordinate::Effect { effect, value, .. } if (effect, value) == (of, number))
+    }
+
     /// The same coordinate in a model without its effect number `gone`; `None` if it is that
     /// effect's.
     pub fn without_effect(&self, gone: usize) -> Option<Self> {

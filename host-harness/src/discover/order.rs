@@ -1,0 +1,135 @@
+//! Which order a line has, asked again once it is named.
+//!
+//! An order is chosen while parameters are wrong; and over a travel of less than a turn, orders side by
+//! side look the same at first. Once the fit has settled around the name, the order is set free for a
+//! moment, and tells where it belongs.
+
+use super::search::{Search, Stage, WORTH_ANOTHER};
+use crate::estimate::coordinates::Coordinate;
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::Problem;
+use crate::estimate::refit::{self, cost};
+use crate::plant::BuildError;
+
+/// Orders nearer than this are the same line.
+const SAME: f64 = 0.25;
+/// Order at which a step of a free one matters, and one sigma of its prior in such steps: next to none.
+const SCALE: f64 = 0.1;
+const SIGMA: f64 = 100.0;
+/// Rounds of the fit in which it is free.
+const ROUNDS: usize = 4;
+
+/// Gives the effect of round `k`, if it is a line, the order that makes the fit best.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn ask_order(
+    problem: Problem<'_>,
+    search: &mut Search,
+    k: usize,
+) -> Result<(), BuildError> {
+    if let Some(stage) = reordered(&problem, &search.after, search.place(k), &search.expected)? {
+        search.rounds[k].gain += cost(&search.after.fit) - cost(&stage.fit);
+        search.after = stage;
+    }
+    Ok(())
+}
+
+/// The fit with another order of the model's effect number `effect`, if that is a line and the fit the
+/// better for it; a whole order where its own is.
+fn reordered(
+    problem: &Problem<'_>,
+    Stage { fit, origin }: &Stage,
+    effect: usize,
+    expected: &Noise,
+) -> Result<Option<Stage>, BuildError> {
+    let line = fit.model.effects[effect];
+    let parameters = line.kind.spec().parameters;
+    let Some(value) = parameters.iter().position(|spec| spec.key == "order") else {
+        return Ok(None);
+    };
+    let own = line.values[value];
+    let order = Coordinate::Effect { effect, value, scale: SCALE, sigma: SIGMA };
+    if fit.coordinates.iter().any(|moved| moved.is_of(effect, value)) {
+        return Ok(None);
+    }
+    let moved: Vec<_> = fit.coordinates.iter().copied().chain([order]).collect();
+    let freed = problem.fit(origin, &fit.model, &moved, &fit.noise, ROUNDS)?;
+    let found = freed.model.effects[effect].values[value];
+    let new = if own.fract() == 0.0 { found.round().max(1.0) } else { found };
+    let possible = parameters[value].low..parameters[value].high;
+    if !possible.contains(&new) || (new - own).abs() < SAME {
+        return Ok(None);
+    }
+    let (mut start, mut origin) = (freed.model, origin.clone());
+    start.effects[effect].values[value] = new;
+    origin.effects[effect].values[value] = new;
+    let again = refit::polish(problem, &origin, &start, &fit.coordinates, expected, &fit.noise)?;
+    let better = cost(fit) - cost(&again) > WORTH_ANOTHER;
+    Ok(better.then_some(Stage { fit: again, origin }))
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::params::Location;
+
+    use super::super::candidates::cogging;
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+    use crate::synthetic::{Experiment, record};
+
+    /// The order that is found for a line of order 42 on less than half a turn, begun at another one.
+    fn found(begun: f64) -> Option<f64> {
+        let mut nominal = actuator();
+        nominal.stages.clear();
+        let mut truth = nominal.clone();
+        truth.effects.push(
+            EffectParameters::new(Kind::Cogging, Location::Motor)
+                .with("order", 42.0)
+                .with("amplitude_nm", 0.02)
+                .with("phase_rad", 0.8),
+        );
+        let push = |k: i32| 1.8 * (f64::from(k) * 4e-3).sin();
+        let voltage_v = Some((0..6000).map(push).collect());
+        let experiment = Experiment { voltage_v, ..Experiment::clean(0.6) };
+        let log = record(&truth, &experiment, 5).unwrap();
+        let (low, high) = log
+            .motor_angle_rad
+            .iter()
+            .fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(*q), high.max(*q)));
+        assert!((0.2..0.5).contains(&((high - low) / std::f64::consts::TAU)), "{}", high - low);
+        let record = Record::new(&log, None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask);
+        let expected = noise::expected(&nominal, &record);
+        let line = cogging::line(begun, 0.01, false);
+        let origin = line.added(&nominal);
+        let mut coordinates = refit::coordinates(&nominal, &problem);
+        coordinates.extend(line.coordinates(0));
+        let fit = refit::polish(
+            &problem,
+            &origin,
+            &origin,
+            &coordinates,
+            &expected,
+            &expected.distrusted(3.0),
+        )
+        .unwrap();
+        let better = reordered(&problem, &Stage { fit, origin }, 0, &expected).unwrap();
+        better.map(|stage| stage.fit.model.effects[0].values[0])
+    }
+
+    #[test]
+    fn an_order_that_a_short_travel_does_not_tell_is_found_from_beside_it() {
+        assert_eq!(found(44.0), Some(42.0));
+        assert_eq!(found(41.0), Some(42.0));
+    }
+
+    #[test]
+    fn the_right_order_stays() {
+        assert_eq!(found(42.0), None);
+    }
+}
