@@ -1,4 +1,7 @@
 //! Transmission error: lines in a stage's wind-up at orders of its input, there at no load too.
+//!
+//! Gears off their centre have the low orders, and a large one makes what is behind it stick, so that its
+//! doubles and triples stand out in the spectrum instead of itself. So the low orders are all tested.
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
@@ -11,6 +14,9 @@ use crate::estimate::adjoint::Pull;
 const KEPT: usize = 2;
 /// Highest order looked for.
 const HIGHEST: f64 = 64.0;
+/// Whole orders that are hypotheses wherever the travel shows so much of a period.
+const LOW: u32 = 8;
+const PERIODS: f64 = 0.7;
 
 pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
@@ -21,11 +27,18 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         let stiffness = stage.stiffness_nm_per_rad * shaft;
         let shape =
             |pull: &Pull, k: usize| stiffness * (pull.torque[mass][k] - pull.torque[mass - 1][k]);
-        let family = scene.family(scene.angle(mass - 1), shape, HIGHEST, 0.7);
+        let family = scene.family(scene.angle(mass - 1), shape, HIGHEST, PERIODS);
         let amplitude = 0.1 * scene.torque_scale() / shaft.abs() / stage.stiffness_nm_per_rad;
-        for order in
-            family.strongest(KEPT + 4).into_iter().filter(|o| !taken(scene, place, *o)).take(KEPT)
-        {
+        let mut orders = family.strongest(KEPT + 4);
+        orders.retain(|order| !taken(scene, place, *order));
+        orders.truncate(KEPT);
+        let shown = PERIODS / family.turns();
+        for order in (1..=LOW).map(f64::from) {
+            if order >= shown && !taken(scene, place, order) && !orders.contains(&order) {
+                orders.push(order);
+            }
+        }
+        for order in orders {
             all.push(Hypothesis {
                 start: EffectParameters::new(Kind::TransmissionError, place).with("order", order),
                 free: vec![Free::Phasor { amplitude: 0, scale: amplitude, sigma: 100.0 }],
