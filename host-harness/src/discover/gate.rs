@@ -17,7 +17,7 @@ const DRIVE_EXCESS: f64 = 3.0;
 /// Most that the noise on the rotor may exceed what is expected: of a model to which effects were added,
 /// and of the plain one, which has no law of an effect that may be slightly other than the joint's.
 const TORQUE_EXCESS: f64 = 4.5;
-const PLAIN_TORQUE_EXCESS: f64 = 2.2;
+pub(super) const PLAIN_TORQUE_EXCESS: f64 = 2.2;
 /// Most that an autocorrelation may differ from the twins'.
 const COLOUR: f64 = 0.1;
 /// Most that a channel's variance may differ from the twins', relative.

@@ -46,8 +46,9 @@ pub(super) fn drop_needless(
             }
         }
         let lost = cost(&bare.fit) - kept;
-        let needed =
-            lost >= WEAK || lost >= LEAST_GAIN && holds(problem, &bare.fit, &search.after.fit)?;
+        let needed = lost >= WEAK
+            || lost >= LEAST_GAIN
+                && holds(problem, &bare.fit, &search.after.fit, &search.expected)?;
         if against.is_some() || !needed {
             against.into_iter().for_each(|against| search.contradicted(against));
             search.after = bare;

@@ -158,7 +158,7 @@ pub(super) fn conclude(
     if winner.gain < LEAST_GAIN {
         return Ok(false);
     }
-    if winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit)? {
+    if winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit, &expected)? {
         search.hope(winner, stage);
         return Ok(false);
     }

@@ -16,6 +16,7 @@ use super::annealed::add_annealed;
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
+use super::gate::PLAIN_TORQUE_EXCESS;
 use super::hope::try_hope;
 use super::hypothesis::{Hypothesis, first_of_each};
 use super::needless::{drop_needless, without};
@@ -319,9 +320,11 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         search.scores.push(ScoreRow { round, name, score: gain.real, refitted: None });
     }
 
+    // Noise that has swallowed what is missing hides half of it and more from a linear step.
+    let asked = if excess(search) > PLAIN_TORQUE_EXCESS { 0.5 * least } else { least };
     let promising: Vec<(&Hypothesis, f64)> = best_of_name
         .into_iter()
-        .filter(|(_, gain)| gain.real > least * gain.luck())
+        .filter(|(_, gain)| gain.real > asked * gain.luck())
         .map(|(hypothesis, gain)| (hypothesis, gain.real))
         .take(SHORT)
         .collect();
@@ -374,7 +377,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let mut stages = full.into_iter().map(|(_, stage)| stage);
     let Some(won) = stages.next() else { return Ok(Look::Nothing) };
     let plain = Fit { noise, ..base.fit.clone() };
-    if winner.gain < WEAK && !holds(problem, &plain, &won.fit)? {
+    if winner.gain < WEAK && !holds(problem, &plain, &won.fit, &search.expected)? {
         search.hope(contenders[0].clone(), won);
         return Ok(Look::Nothing);
     }
@@ -426,8 +429,18 @@ pub fn bared(
     Ok(Stage { fit, origin: base.origin.clone() })
 }
 
-/// Whether a fit makes the samples that none has seen likelier than another, the simpler one.
-pub fn holds(problem: Problem<'_>, simpler: &Fit, fit: &Fit) -> Result<bool, BuildError> {
+/// Whether what a fit has more than another, the simpler one, is borne out: by noise that is as expected
+/// where the simpler one needs more than any right model, or by samples that none has seen, if it makes them
+/// likelier.
+pub fn holds(
+    problem: Problem<'_>,
+    simpler: &Fit,
+    fit: &Fit,
+    expected: &Noise,
+) -> Result<bool, BuildError> {
+    if simpler.noise.times(expected) > PLAIN_TORQUE_EXCESS && calm(&fit.noise, expected) {
+        return Ok(true);
+    }
     let unseen: Vec<f64> = problem.mask.iter().map(|seen| 1.0 - seen).collect();
     let unseen = Problem { mask: &unseen, ..problem };
     let deviance = |fit: &Fit| unseen.design(&fit.model, &fit.noise).map(|run| run.deviance);
