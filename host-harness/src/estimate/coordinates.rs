@@ -46,6 +46,7 @@ impl Coordinate {
                 *slot = (*slot + step * scale).clamp(spec.low, spec.high);
             }
             Coordinate::Phasor { effect, amplitude, sine, scale, .. } => {
+                let most = model.effects[effect].kind.spec().parameters[amplitude].high;
                 let values = &mut model.effects[effect].values;
                 let (size, phase) = (values[amplitude], values[amplitude + 1]);
                 let (mut cos, mut sin) = (size * phase.cos(), size * phase.sin());
@@ -54,7 +55,7 @@ impl Coordinate {
                 } else {
                     cos += step * scale;
                 }
-                values[amplitude] = cos.hypot(sin);
+                values[amplitude] = cos.hypot(sin).min(most);
                 if values[amplitude] > 0.0 {
                     values[amplitude + 1] = sin.atan2(cos);
                 }
@@ -140,5 +141,27 @@ impl Coordinate {
             Coordinate::Parameter(_) => 1e-3,
             Coordinate::Effect { .. } | Coordinate::Phasor { .. } => 1e-2,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::params::Location;
+
+    use super::*;
+    use crate::demo::actuator;
+
+    #[test]
+    fn an_amplitude_never_leaves_the_range_of_its_law() {
+        let mut model = actuator();
+        let line = EffectParameters::new(Kind::PositionDependentFriction, Location::Motor);
+        model.effects.push(line.with("order", 3.0));
+        let part =
+            Coordinate::Phasor { effect: 0, amplitude: 0, sine: true, scale: 0.05, sigma: 10.0 };
+        part.shift(&mut model, 1e6);
+        assert_eq!(model.effects[0].values[..2], [0.95, std::f64::consts::FRAC_PI_2]);
+        part.shift(&mut model, -4.0);
+        assert!((model.effects[0].values[0] - 0.75).abs() < 1e-12);
     }
 }
