@@ -15,7 +15,7 @@ use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
 
 use crate::model::Model;
-use crate::tangent::{self, Constants, Tangent};
+use crate::tangent::{self, Constants, Linear, Tangent};
 
 /// Most stages a model has.
 pub const MAX_STAGES: usize = 6;
@@ -102,6 +102,8 @@ pub trait Plant: Send + Sync {
     /// The plant with derivatives: those that plants show which stand a step apart each; `None` where
     /// they differ by more than their numbers.
     fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>>;
+    /// The plant with derivatives by its own state of that length; `None` if it is too long.
+    fn linear(&self, states: usize) -> Option<Box<dyn Linear>>;
     /// Whether its constants move smoothly to those a step away and two.
     fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool;
 }
@@ -263,6 +265,10 @@ impl<const N: usize> Plant for Built<f64, N> {
 
     fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>> {
         tangent::tangent(&self.joints, &self.serves, apart)
+    }
+
+    fn linear(&self, states: usize) -> Option<Box<dyn Linear>> {
+        tangent::linear(&self.joints, &self.serves, states)
     }
 
     fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool {

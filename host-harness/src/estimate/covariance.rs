@@ -3,6 +3,22 @@
 //! A design does this at every sample, and it is most of what a design costs. So the number of states
 //! is known to the compiler here, up to what a joint of three stages has.
 
+/// Does with an order as a constant what is written for it, or what is written for all others.
+macro_rules! of_order {
+    ($order:expr, $n:ident => $known:expr, $other:expr) => {
+        of_order!($order, $n => $known, $other, 3 4 5 6 7 8 9 10 11 12 13 14 15 16)
+    };
+    ($order:expr, $n:ident => $known:expr, $other:expr, $($value:literal)*) => {
+        match $order {
+            $($value => {
+                const $n: usize = $value;
+                $known
+            })*
+            _ => $other,
+        }
+    };
+}
+
 /// A symmetric matrix of that many states, by rows.
 #[derive(Clone, Debug)]
 pub(super) struct Covariance {
@@ -25,26 +41,21 @@ impl Covariance {
 
     /// Its product with a sensor's row, few of whose entries are not zero.
     pub(super) fn times(&self, sensor: &[f64], product: &mut [f64]) {
-        product.fill(0.0);
-        for (row, weight) in self.rows.chunks_exact(self.order).zip(sensor) {
-            if *weight != 0.0 {
-                for (product, own) in product.iter_mut().zip(row) {
-                    *product += weight * own;
-                }
+        of_order!(self.order, N => times::<N>(&self.rows, sensor, product), {
+            product.fill(0.0);
+            for (row, weight) in self.rows.chunks_exact(self.order).zip(sensor) {
+                add_scaled(product, *weight, row);
             }
-        }
+        });
     }
 
     /// Adds `scale` times the square of a vector.
     pub(super) fn add_square(&mut self, scale: f64, vector: &[f64]) {
-        for (row, own) in self.rows.chunks_exact_mut(self.order).zip(vector) {
-            let own = scale * own;
-            if own != 0.0 {
-                for (row, other) in row.iter_mut().zip(vector) {
-                    *row += own * other;
-                }
+        of_order!(self.order, N => add_square::<N>(&mut self.rows, scale, vector), {
+            for (row, own) in self.rows.chunks_exact_mut(self.order).zip(vector) {
+                add_scaled(row, scale * own, vector);
             }
-        }
+        });
     }
 
     /// Adds to the variance of one state.
@@ -54,15 +65,7 @@ impl Covariance {
 
     /// Carries it over an interval: `F P Fᵀ`, with `F` by rows.
     pub(super) fn carry(&mut self, transition: &[f64]) {
-        macro_rules! of_order {
-            ($($order:literal)*) => {
-                match self.order {
-                    $($order => carry::<$order>(transition, &mut self.rows),)*
-                    _ => self.carry_any(transition),
-                }
-            };
-        }
-        of_order!(3 4 5 6 7 8 9 10 11 12 13 14 15 16);
+        of_order!(self.order, N => carry::<N>(transition, &mut self.rows), self.carry_any(transition));
     }
 
     fn carry_any(&mut self, transition: &[f64]) {
@@ -83,6 +86,39 @@ fn mirror(order: usize, rows: &mut [f64]) {
     for i in 0..order {
         for j in 0..i {
             rows[j * order + i] = rows[i * order + j];
+        }
+    }
+}
+
+fn add_scaled(sum: &mut [f64], scale: f64, vector: &[f64]) {
+    if scale != 0.0 {
+        for (sum, value) in sum.iter_mut().zip(vector) {
+            *sum += scale * value;
+        }
+    }
+}
+
+fn times<const N: usize>(rows: &[f64], sensor: &[f64], product: &mut [f64]) {
+    let mut sum = [0.0; N];
+    for (row, weight) in rows.as_chunks::<N>().0.iter().zip(sensor) {
+        if *weight != 0.0 {
+            for (sum, own) in sum.iter_mut().zip(row) {
+                *sum += weight * own;
+            }
+        }
+    }
+    product[..N].copy_from_slice(&sum);
+}
+
+fn add_square<const N: usize>(rows: &mut [f64], scale: f64, vector: &[f64]) {
+    let mut own = [0.0; N];
+    own.copy_from_slice(&vector[..N]);
+    for (row, weight) in rows.as_chunks_mut::<N>().0.iter_mut().zip(own) {
+        let weight = scale * weight;
+        if weight != 0.0 {
+            for (row, own) in row.iter_mut().zip(own) {
+                *row += weight * own;
+            }
         }
     }
 }

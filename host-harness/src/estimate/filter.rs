@@ -10,12 +10,13 @@ use std::borrow::Cow;
 
 use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
+use crate::estimate::keep::{Keep, Whole};
 use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record, caught};
 use crate::estimate::slopes::is_of_a_sensor;
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
-use crate::tangent::{LANES, Tangent};
+use crate::tangent::Linear;
 
 /// How much less is known of a joint in motion than at rest.
 const UNKNOWN: f64 = 10.0;
@@ -88,25 +89,38 @@ impl<'a> Observer<'a> {
         noise: &Noise,
         walks: &[Walk],
     ) -> (Gains, Run) {
+        self.designed(along, noise, walks, true)
+    }
+
+    /// The same, without the states where they are not asked for.
+    pub(super) fn designed(
+        &self,
+        along: &mut Cow<'_, Linearisation>,
+        noise: &Noise,
+        walks: &[Walk],
+        with_states: bool,
+    ) -> (Gains, Run) {
+        let order = self.layout.len() + walks.len();
+        let mut whole = Whole::new(self.record.len(), order, walks, with_states);
+        self.run(along, noise, walks, &mut whole);
+        (whole.gains, whole.run)
+    }
+
+    /// Runs the filter along a linearisation, which is made if it is empty.
+    pub(super) fn run(
+        &self,
+        along: &mut Cow<'_, Linearisation>,
+        noise: &Noise,
+        walks: &[Walk],
+        keep: &mut impl Keep,
+    ) {
         let order = self.layout.len() + walks.len();
         let samples = self.record.len();
-        let mut gains = Gains {
-            order,
-            gain: vec![0.0; samples * CHANNELS * order],
-            weight: vec![[0.0; CHANNELS]; samples],
-            walks: walks.to_vec(),
-        };
-        let mut run = Run {
-            innovations: vec![[0.0; CHANNELS]; samples],
-            states: Vec::with_capacity(samples),
-            deviance: 0.0,
-        };
         let mut x = Vec::new();
         let mut p = Covariance::independent(std::iter::empty());
         let mut scratch = Scratch::new(order);
         let made = along.drive.len() >= samples.saturating_sub(1) * self.layout.len();
-        let tangent = (!made && self.layout.len() < LANES).then(|| self.plant.tangent(&[]));
-        let tangent = tangent.flatten();
+        let linear = if made { None } else { self.plant.linear(self.layout.len()) };
         for k in 0..samples {
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
@@ -125,24 +139,20 @@ impl<'a> Observer<'a> {
                 let variance = dot(row, &scratch.column) + sensor * sensor;
                 let weight = 1.0 / variance.sqrt();
                 let error = (measured - self.shown(channel, &x, walks)) * weight;
-                run.innovations[k][c] = error;
-                run.deviance += error * error + variance.ln();
-                gains.weight[k][c] = weight;
-                let slot = (k * CHANNELS + c) * order;
-                let slots = gains.gain[slot..slot + order].iter_mut();
-                for ((slot, x), column) in slots.zip(&mut x).zip(&scratch.column) {
-                    *slot = column * weight;
-                    *x += *slot * error;
+                let gains = scratch.gain.iter_mut().zip(&mut x).zip(&scratch.column);
+                for ((gain, x), column) in gains {
+                    *gain = column * weight;
+                    *x += *gain * error;
                 }
+                keep.taken(k, c, error, weight, &scratch.gain);
                 p.add_square(-weight * weight, &scratch.column);
             }
-            run.states.push(x.clone());
+            keep.corrected(&x);
             if k + 1 < samples {
-                self.linearise(k, &x, walks, along, (tangent.as_deref(), &mut scratch));
-                self.predict(k, &mut x, &mut p, noise, walks, along, &mut scratch);
+                self.linearise(k, &mut x, walks, along, (linear.as_deref(), &mut scratch));
+                self.predict(k, &mut p, noise, walks, along, &mut scratch);
             }
         }
-        (gains, run)
     }
 
     /// Runs the record with frozen gains; only the innovations. The gains may be those of a model
@@ -252,7 +262,11 @@ impl<'a> Observer<'a> {
             }
         };
         let caught_up = self.late.by[channel as usize] * speed;
-        bias + angle + self.plant.encoder_error(output, angle, speed) + caught_up
+        let error = match self.sensor_errors {
+            true => self.plant.encoder_error(output, angle, speed),
+            false => 0.0,
+        };
+        bias + angle + error + caught_up
     }
 
     pub(super) fn sensitivity(&self, channel: Channel, walks: &[Walk], row: &mut [f64]) {
@@ -282,21 +296,25 @@ impl<'a> Observer<'a> {
 
     /// The same with the drive a little off.
     fn advance_pushed(&self, k: usize, x: &mut [f64], walks: &[Walk], push: f64) {
-        let n = self.layout.len();
+        let inputs = [self.driven(k, x, walks) + push, self.record.load_nm[k]];
+        self.plant.propagate(k, &mut x[..self.layout.len()], inputs[0], inputs[1]);
+        self.kick(k, x, walks);
+    }
+
+    /// What drives the joint over the interval after sample `k`, with the walks on it.
+    fn driven(&self, k: usize, x: &[f64], walks: &[Walk]) -> f64 {
+        let pushes = walks.iter().zip(&x[self.layout.len()..]);
+        let pushes = pushes.filter(|(walk, _)| walk.equation == Equation::Voltage);
+        self.record.drive_values[k] + pushes.map(|(_, value)| value).sum::<f64>()
+    }
+
+    /// The walks' torques over the interval after sample `k`.
+    fn kick(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
         let interval = self.record.grid.interval(k);
-        let mut drive = self.record.drive_values[k] + push;
-        let mut kicks = [0.0; 8];
-        for (walk, value) in walks.iter().zip(&x[n..]) {
-            match walk.equation {
-                Equation::Voltage => drive += value,
-                Equation::Torque(mass) => kicks[mass] += value,
-                Equation::Sensor(_) => {}
-            }
-        }
-        self.plant.propagate(k, &mut x[..n], drive, self.record.load_nm[k]);
-        for (mass, torque) in kicks.iter().enumerate().take(self.layout.stages + 1) {
-            if *torque != 0.0 {
-                self.push(x, mass, *torque, interval);
+        for (j, walk) in walks.iter().enumerate() {
+            if let Equation::Torque(mass) = walk.equation {
+                let torque = x[self.layout.len() + j];
+                self.push(x, mass, torque, interval);
             }
         }
     }
@@ -316,28 +334,25 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Derivatives of the interval after sample `k`, by the plant's tangent or by differences, unless
-    /// they are there.
+    /// One interval forward, and its derivatives where they are not known: by the plant's own, or by
+    /// differences.
     fn linearise(
         &self,
         k: usize,
-        x: &[f64],
+        x: &mut [f64],
         walks: &[Walk],
         along: &mut Cow<'_, Linearisation>,
-        (tangent, scratch): (Option<&dyn Tangent>, &mut Scratch),
+        (linear, scratch): (Option<&dyn Linear>, &mut Scratch),
     ) {
         let n = self.layout.len();
         if along.drive.len() >= (k + 1) * n {
-            return;
+            return self.advance(k, x, walks);
         }
-        if let Some(tangent) = tangent {
-            let pushed = |(walk, value): (&Walk, &f64)| match walk.equation {
-                Equation::Voltage => *value,
-                _ => 0.0,
-            };
-            let push: f64 = walks.iter().zip(&x[n..]).map(pushed).sum();
-            let drive = self.record.drive_values[k] + push;
-            return self.linearise_along(k, x, drive, tangent, along);
+        let inputs = [self.driven(k, x, walks), self.record.load_nm[k]];
+        if let Some(linear) = linear {
+            let Linearisation { transition, drive } = along.to_mut();
+            linear.propagate(k, &mut x[..n], inputs, transition, drive);
+            return self.kick(k, x, walks);
         }
         let along = along.to_mut();
         let base = scratch.moved(x);
@@ -359,13 +374,13 @@ impl<'a> Observer<'a> {
         let moved = scratch.moved(x);
         self.advance_pushed(k, moved, walks, push);
         along.drive.extend((0..n).map(|i| (moved[i] - next[i]) / push));
+        self.advance(k, x, walks);
     }
 
-    #[allow(clippy::too_many_arguments)]
+    /// The covariance one interval forward.
     fn predict(
         &self,
         k: usize,
-        x: &mut [f64],
         p: &mut Covariance,
         noise: &Noise,
         walks: &[Walk],
@@ -373,7 +388,7 @@ impl<'a> Observer<'a> {
         scratch: &mut Scratch,
     ) {
         let n = self.layout.len();
-        let order = x.len();
+        let order = n + walks.len();
         let interval = self.record.grid.interval(k);
         let by_drive = &along.drive[k * n..(k + 1) * n];
         let f = &mut scratch.transition;
@@ -404,7 +419,6 @@ impl<'a> Observer<'a> {
             }
             f[(n + j) * order + n + j] = 1.0;
         }
-        self.advance(k, x, walks);
         p.carry(f);
         scratch.column.fill(0.0);
         scratch.column[..n].copy_from_slice(by_drive);
@@ -419,6 +433,7 @@ impl<'a> Observer<'a> {
 struct Scratch {
     row: Vec<f64>,
     column: Vec<f64>,
+    gain: Vec<f64>,
     moved: Vec<f64>,
     kick: Vec<f64>,
     transition: Vec<f64>,
@@ -429,6 +444,7 @@ impl Scratch {
         Self {
             row: vec![0.0; order],
             column: vec![0.0; order],
+            gain: vec![0.0; order],
             moved: vec![0.0; order],
             kick: vec![0.0; order],
             transition: vec![0.0; order * order],

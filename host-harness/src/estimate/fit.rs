@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
+use super::keep::Likelihood;
 use super::record::{CHANNELS, Channel, Record};
 use super::slope::Slope;
 use crate::interrupt;
@@ -155,9 +156,39 @@ impl<'a> Problem<'a> {
     ) -> Result<Design, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = Observer::new(model, &*plant, self.record);
-        let (gains, run) = observer.design_along(along, noise, &self.walks());
+        let (gains, run) = observer.designed(along, noise, &self.walks(), false);
         let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
         Ok(Design { gains, innovations: run.innovations, deviance })
+    }
+
+    /// Minus twice the log-likelihood of the filter designed at a model, along its linearisation.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub fn deviance_along(
+        &self,
+        along: &Linearisation,
+        model: &Model,
+        noise: &Noise,
+    ) -> Result<f64, BuildError> {
+        let plant = plant(model, &self.record.grid, self.record.drive)?;
+        let observer = Observer::new(model, &*plant, self.record);
+        let mut likelihood = Likelihood::over(self.mask);
+        observer.run(&mut Cow::Borrowed(along), noise, &self.walks(), &mut likelihood);
+        Ok(likelihood.deviance())
+    }
+
+    /// A design along the linearisation of a model near it, or along one of its own, which is given too.
+    fn design_near(
+        &self,
+        near: Option<&Linearisation>,
+        model: &Model,
+        noise: &Noise,
+    ) -> Result<(Design, Option<Linearisation>), BuildError> {
+        let mut along = near.map_or_else(|| Cow::Owned(Linearisation::default()), Cow::Borrowed);
+        let design = self.design_along(&mut along, model, noise)?;
+        let made = if let Cow::Owned(made) = along { Some(made) } else { None };
+        Ok((design, made))
     }
 
     /// Innovations of a model with frozen gains.
@@ -181,6 +212,13 @@ impl<'a> Problem<'a> {
             .map(|(row, weight)| weight * row.iter().map(|e| e * e).sum::<f64>())
             .sum();
         if sum.is_finite() { sum } else { f64::INFINITY }
+    }
+
+    /// Mean squared innovation of the samples fitted to: one where a model is as right as it is believed.
+    pub fn scatter(&self, innovations: &[[f64; CHANNELS]]) -> f64 {
+        let taken = innovations.iter().zip(self.mask).filter(|(_, mask)| **mask > 0.0);
+        let count = taken.flat_map(|(row, _)| row).filter(|e| **e != 0.0).count();
+        self.sum_of_squares(innovations) / count.max(1) as f64
     }
 
     /// Innovations of the samples fitted to; zero elsewhere.
@@ -315,7 +353,7 @@ impl<'a> Problem<'a> {
             let likely = design.deviance + prior(&model);
             let mut gained = 0.0;
             // A derivative that is not of this place is replaced rather than damped.
-            for _ in 0..if own.is_fresh() { 6 } else { 2 } {
+            for attempt in 0..if own.is_fresh() { 6 } else { 2 } {
                 let mut damped = curvature.clone();
                 for k in 0..coordinates.len() {
                     damped[(k, k)] += damping * curvature[(k, k)];
@@ -325,20 +363,34 @@ impl<'a> Problem<'a> {
                 for (coordinate, step) in coordinates.iter().zip(step.iter()) {
                     coordinate.shift(&mut moved, coordinate.limited(*step));
                 }
-                let rows = self.innovations(&moved, &design.gains);
+                let step = offset(&model, &moved);
+                let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
+                let is_far = |gain: f64| self.cautious || gain > FAR * before;
+                // A second core designs at once what most steps come to.
+                let forecast = is_far(promised);
+                let (rows, ahead) = if attempt == 0 && rayon::current_num_threads() > 1 {
+                    let here = (!forecast).then_some(&**along);
+                    rayon::join(
+                        || self.innovations(&moved, &design.gains),
+                        || Some(self.design_near(here, &moved, noise)),
+                    )
+                } else {
+                    (self.innovations(&moved, &design.gains), None)
+                };
                 let rows = rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; self.record.len()]);
                 let after = self.sum_of_squares(&rows) + prior(&moved);
                 if after < before {
                     // What frozen gains promise must hold for the filter designed at the new point.
-                    let far = self.cautious || before - after > FAR * before;
-                    if far {
-                        *along = Cow::Owned(Linearisation::default());
+                    let far = is_far(before - after);
+                    let (new, made) = match ahead {
+                        Some(ahead) if far == forecast => ahead?,
+                        _ => self.design_near((!far).then_some(&**along), &moved, noise)?,
+                    };
+                    if let Some(made) = made {
+                        *along = Cow::Owned(made);
                     }
-                    let new = self.design_along(along, &moved, noise)?;
                     let found = new.deviance + prior(&moved);
                     if found < likely || !self.cautious {
-                        let step = offset(&model, &moved);
-                        let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
                         let change = self.residual(&rows) - &residual;
                         own.learn(
                             &step,

@@ -85,8 +85,6 @@ pub struct Run {
     pub innovations: Vec<[f64; CHANNELS]>,
     /// State estimates after each sample's measurements, the walks last.
     pub states: Vec<Vec<f64>>,
-    /// Minus twice the log-likelihood.
-    pub deviance: f64,
 }
 
 /// How the joint's next state follows from the present one along a record: what a design takes its

@@ -12,6 +12,7 @@ mod covariance;
 pub mod filter;
 pub mod fit;
 pub mod gains;
+mod keep;
 pub mod late;
 pub mod noise;
 pub mod parameters;

@@ -92,17 +92,15 @@ pub fn refine_along(
             knobs.push(Knob { which: 2 + channel as usize, expected, spread: 3.0 });
         }
     }
-    problem.design_along(along, model, start)?;
+    let prior = |noise: &Noise| -> f64 {
+        let off = |knob: &Knob| (get(noise, knob.which).ln() - knob.expected) / knob.spread;
+        knobs.iter().map(|knob| off(knob).powi(2)).sum()
+    };
+    let mut best = problem.design_along(along, model, start)?.deviance + prior(start);
     let cost = |noise: &Noise| -> Result<f64, BuildError> {
-        let deviance = problem.design_along(&mut Cow::Borrowed(&**along), model, noise)?.deviance;
-        let prior: f64 = knobs
-            .iter()
-            .map(|knob| ((get(noise, knob.which).ln() - knob.expected) / knob.spread).powi(2))
-            .sum();
-        Ok(deviance + prior)
+        Ok(problem.deviance_along(along, model, noise)? + prior(noise))
     };
     let mut noise = *start;
-    let mut best = cost(&noise)?;
     let mut stride = FIRST_STRIDE;
     for _ in 0..MOST_ROUNDS {
         if interrupt::asked() {

@@ -1,15 +1,13 @@
 //! Derivatives of a run through its filter: of the innovations with what moves the joint's constants,
 //! and of the joint's states over one interval.
 
-use std::borrow::Cow;
-
 use joint_core::effect::Kind;
 use joint_core::scalar::Scalar;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::coordinates::Coordinate;
-use super::filter::{Equation, Gains, Linearisation, Observer, Walk};
+use super::filter::{Equation, Gains, Observer, Walk};
 use super::fit::Problem;
 use super::record::{CHANNELS, Channel};
 use crate::model::Model;
@@ -141,7 +139,7 @@ impl Observer<'_> {
                 }
                 let shown = self.shown_along(channel, &x, &gains.walks);
                 let measured = Dual::constant(self.late.measured[k][c]);
-                let error = (measured - shown) * Dual::constant(weight);
+                let error = (measured - shown).scaled(weight);
                 if !error.value.is_finite() {
                     continue;
                 }
@@ -150,10 +148,10 @@ impl Observer<'_> {
                 let (states, walks) = gains.gain[slot..slot + gains.order].split_at(designed);
                 let corrected = x.iter_mut().zip(&states[..common]);
                 for (value, gain) in corrected {
-                    *value = *value + Dual::constant(*gain) * error;
+                    *value = *value + error.scaled(*gain);
                 }
                 for (value, gain) in x[own..].iter_mut().zip(walks) {
-                    *value = *value + Dual::constant(*gain) * error;
+                    *value = *value + error.scaled(*gain);
                 }
             }
             self.advance_along(k, &mut x, &gains.walks, along);
@@ -167,7 +165,7 @@ impl Observer<'_> {
         let mut shown = Dual::constant(0.0);
         let mut add = |by: f64, of: &Dual| {
             if by != 0.0 {
-                shown = shown + Dual::constant(by) * *of;
+                shown = shown + of.scaled(by);
             }
         };
         for (walk, value) in walks.iter().zip(&x[n..]) {
@@ -249,37 +247,17 @@ impl Observer<'_> {
             x[behind] = x[behind] + moved;
         }
     }
-
-    /// Derivatives of the interval after sample `k` by the plant's tangent.
-    pub(super) fn linearise_along(
-        &self,
-        k: usize,
-        x: &[f64],
-        drive: f64,
-        tangent: &dyn Tangent,
-        along: &mut Cow<'_, Linearisation>,
-    ) {
-        let n = self.layout.len();
-        let mut state = [Dual::constant(0.0); LANES];
-        for (lane, (state, value)) in state.iter_mut().zip(&x[..n]).enumerate() {
-            *state = Dual::variable(*value, lane);
-        }
-        let drive = Dual::variable(drive, n);
-        tangent.propagate(k, &mut state[..n], drive, self.record.load_nm[k]);
-        let along = along.to_mut();
-        for value in &state[..n] {
-            along.transition.extend(value.slopes[..n].iter().map(|slope| f64::from(*slope)));
-            along.drive.push(f64::from(value.slopes[n]));
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
     use joint_core::effect::EffectParameters;
     use joint_core::params::Location;
 
     use super::*;
+    use crate::estimate::filter::Linearisation;
     use crate::estimate::parameters::Quantity;
     use crate::estimate::record::Record;
     use crate::estimate::{noise, twin};
@@ -326,19 +304,47 @@ mod tests {
     /// Step of the differences that slopes are held against.
     const DIFFERENCE: f64 = 1e-6;
 
+    /// The joint with that many stages at most, and without the laws of those that are gone.
+    fn shortened(stages: usize) -> Model {
+        let mut model = joint();
+        if stages < model.stages.len() {
+            model.stages.truncate(stages);
+            model.effects.truncate(1);
+        }
+        model
+    }
+
     #[test]
     fn the_next_state_changes_with_this_one_as_differences_say() {
-        let model = joint();
-        let record = record(&model);
-        let plant = plant_of(&model, &record.grid, record.drive).unwrap();
-        let observer = Observer::new(&model, &*plant, &record);
+        for stages in [0, 1, 2, 3] {
+            assert_changes_as_differences_say(&shortened(stages));
+        }
+    }
+
+    fn assert_changes_as_differences_say(model: &Model) {
+        let record = record(model);
+        let plant = plant_of(model, &record.grid, record.drive).unwrap();
+        let observer = Observer::new(model, &*plant, &record);
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
-        let noise = noise::expected(&model, &record);
+        let noise = noise::expected(model, &record);
         let n = observer.layout.len();
         let mut along = Cow::Owned(Linearisation::default());
         let (_, run) = observer.design_along(&mut along, &noise, &problem.walks());
+        let likely = problem.deviance_along(&along, model, &noise).unwrap();
+        let designed = problem.design_along(&mut along, model, &noise).unwrap().deviance;
+        assert!((likely - designed).abs() < 1e-9 * designed.abs(), "{likely} {designed}");
         for k in [300, 1100, 1700] {
+            let mut state = run.states[k][..n].to_vec();
+            let inputs = [record.drive_values[k], record.load_nm[k]];
+            let (mut transition, mut by_drive) = (Vec::new(), Vec::new());
+            let linear = plant.linear(n).unwrap();
+            linear.propagate(k, &mut state, inputs, &mut transition, &mut by_drive);
+            let mut plain = run.states[k][..n].to_vec();
+            plant.propagate(k, &mut plain, inputs[0], inputs[1]);
+            for (carried, plain) in state.iter().zip(&plain) {
+                assert!((carried - plain).abs() <= 1e-11 * plain.abs(), "{carried} {plain}");
+            }
             let next = |state: usize, moved: f64, drive: f64| {
                 let mut x = run.states[k][..n].to_vec();
                 x[state] += moved;

@@ -12,27 +12,39 @@ use joint_core::scalar::Scalar;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeTupleStruct, Serializer};
 
-/// Derivatives that are carried at once.
+/// Derivatives that are carried at once, at most.
 pub const LANES: usize = 16;
 /// The derivatives of one number.
-pub type Slopes = [f32; LANES];
+pub type Slopes<const L: usize = LANES> = [f32; L];
 
 /// Name by which a reader of constants knows this number from a plain one.
 pub(super) const NAME: &str = "Dual";
 
-/// A value and its derivatives.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Dual {
+/// A value and its derivatives, `L` of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Dual<const L: usize = LANES> {
     /// The value.
     pub value: f64,
     /// Its derivatives.
-    pub slopes: Slopes,
+    pub slopes: Slopes<L>,
 }
 
-impl Dual {
+impl<const L: usize> Default for Dual<L> {
+    fn default() -> Self {
+        Self::constant(0.0)
+    }
+}
+
+impl<const L: usize> Dual<L> {
     /// A number that depends on nothing.
     pub const fn constant(value: f64) -> Self {
-        Self { value, slopes: [0.0; LANES] }
+        Self { value, slopes: [0.0; L] }
+    }
+
+    /// Its product with a number that depends on nothing.
+    #[inline(always)]
+    pub fn scaled(self, by: f64) -> Self {
+        self.mapped(self.value * by, by)
     }
 
     /// A number that is one of those with which derivatives are taken.
@@ -50,9 +62,9 @@ impl Dual {
 }
 
 #[inline(always)]
-fn scaled(slopes: &Slopes, by: f64) -> Slopes {
+fn scaled<const L: usize>(slopes: &Slopes<L>, by: f64) -> Slopes<L> {
     let by = by as f32;
-    let mut scaled = [0.0; LANES];
+    let mut scaled = [0.0; L];
     for (scaled, slope) in scaled.iter_mut().zip(slopes) {
         *scaled = slope * by;
     }
@@ -60,16 +72,16 @@ fn scaled(slopes: &Slopes, by: f64) -> Slopes {
 }
 
 #[inline(always)]
-fn combined(a: &Slopes, by_a: f64, b: &Slopes, by_b: f64) -> Slopes {
+fn combined<const L: usize>(a: &Slopes<L>, by_a: f64, b: &Slopes<L>, by_b: f64) -> Slopes<L> {
     let (by_a, by_b) = (by_a as f32, by_b as f32);
-    let mut combined = [0.0; LANES];
+    let mut combined = [0.0; L];
     for ((sum, a), b) in combined.iter_mut().zip(a).zip(b) {
         *sum = a * by_a + b * by_b;
     }
     combined
 }
 
-impl Add for Dual {
+impl<const L: usize> Add for Dual<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -81,7 +93,7 @@ impl Add for Dual {
     }
 }
 
-impl Sub for Dual {
+impl<const L: usize> Sub for Dual<L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -93,7 +105,7 @@ impl Sub for Dual {
     }
 }
 
-impl Mul for Dual {
+impl<const L: usize> Mul for Dual<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -102,7 +114,7 @@ impl Mul for Dual {
     }
 }
 
-impl Neg for Dual {
+impl<const L: usize> Neg for Dual<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -110,21 +122,21 @@ impl Neg for Dual {
     }
 }
 
-impl PartialEq for Dual {
+impl<const L: usize> PartialEq for Dual<L> {
     #[inline(always)]
     fn eq(&self, other: &Self) -> bool {
         self.value == other.value
     }
 }
 
-impl PartialOrd for Dual {
+impl<const L: usize> PartialOrd for Dual<L> {
     #[inline(always)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         self.value.partial_cmp(&other.value)
     }
 }
 
-impl Scalar for Dual {
+impl<const L: usize> Scalar for Dual<L> {
     type Gain = Self;
 
     const ZERO: Self = Self::constant(f64::ZERO);
@@ -235,9 +247,9 @@ impl Scalar for Dual {
     }
 }
 
-impl Serialize for Dual {
+impl<const L: usize> Serialize for Dual<L> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut parts = serializer.serialize_tuple_struct(NAME, 1 + LANES)?;
+        let mut parts = serializer.serialize_tuple_struct(NAME, 1 + L)?;
         parts.serialize_field(&self.value)?;
         for slope in &self.slopes {
             parts.serialize_field(&f64::from(*slope))?;
@@ -246,22 +258,22 @@ impl Serialize for Dual {
     }
 }
 
-impl<'de> Deserialize<'de> for Dual {
+impl<'de, const L: usize> Deserialize<'de> for Dual<L> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_tuple_struct(NAME, 1 + LANES, Parts)
+        deserializer.deserialize_tuple_struct(NAME, 1 + L, Parts::<L>)
     }
 }
 
-struct Parts;
+struct Parts<const L: usize>;
 
-impl<'de> Visitor<'de> for Parts {
-    type Value = Dual;
+impl<'de, const L: usize> Visitor<'de> for Parts<L> {
+    type Value = Dual<L>;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "a number and {LANES} derivatives")
+        write!(f, "a number and {L} derivatives")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut parts: A) -> Result<Dual, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut parts: A) -> Result<Dual<L>, A::Error> {
         let mut next = |place: usize| {
             let part: Option<f64> = parts.next_element()?;
             part.ok_or_else(|| A::Error::invalid_length(place, &self))
@@ -279,7 +291,11 @@ mod tests {
     use super::*;
 
     /// Two numbers that depend on two variables, and the same a little further along either.
-    fn check(name: &str, of: impl Fn(Dual, Dual) -> Dual, plain: impl Fn(f64, f64) -> f64) {
+    fn check(
+        name: &str,
+        of: impl Fn(Dual<8>, Dual<8>) -> Dual<8>,
+        plain: impl Fn(f64, f64) -> f64,
+    ) {
         for (x, y) in [(0.3, 1.7), (-0.4, 2.5), (0.01, 1.01), (-0.49, 30.0)] {
             let found = of(Dual::variable(x, 0), Dual::variable(y, 5));
             assert_eq!(found.value, plain(x, y), "{name} at {x}, {y}");
@@ -313,7 +329,7 @@ mod tests {
         check("part", |x, y| (x + y).over(y).split_turns().1, |x, y| ((x + y) / y).split_turns().1);
         check("bend", |x, y| y.relaxed(x, y, y), |x, y| y.relaxed(x, y, y));
         check("sum kept", |x, y| x.plus(y, Dual::ZERO).0, |x, y| x.plus(y, 0.0).0);
-        let turns = |x: Dual, y: Dual| Dual::wrapped_turns(2, y - Dual::ONE, x, y);
+        let turns = |x: Dual<8>, y: Dual<8>| Dual::wrapped_turns(2, y - Dual::ONE, x, y);
         check("turns", turns, |x, y| f64::wrapped_turns(2, y - 1.0, x, y));
         check("all turns", |x, y| Dual::wide_turns(3, x, y), |x, y| f64::wide_turns(3, x, y));
     }

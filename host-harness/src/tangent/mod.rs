@@ -6,6 +6,7 @@
 //! number takes.
 
 mod dual;
+mod linear;
 mod weave;
 
 use std::f64::consts::TAU;
@@ -16,6 +17,8 @@ use joint_core::joint::{Joint, Mass, StageState, State};
 use joint_core::scalar::Scalar;
 
 pub use dual::{Dual, LANES, Slopes};
+pub use linear::Linear;
+pub(crate) use linear::linear;
 
 use crate::plant::Layout;
 
@@ -23,10 +26,10 @@ use crate::plant::Layout;
 pub type Constants = Vec<Vec<u8>>;
 
 /// A plant whose constants have derivatives.
-pub trait Tangent: Send + Sync {
+pub trait Tangent<const L: usize = LANES>: Send + Sync {
     /// Advances a state over the interval after sample `k`, as [`crate::plant::Plant::propagate`],
     /// and its derivatives with it.
-    fn propagate(&self, k: usize, state: &mut [Dual], drive: Dual, load: f64);
+    fn propagate(&self, k: usize, state: &mut [Dual<L>], drive: Dual<L>, load: f64);
 }
 
 /// The constants of joints, to be laid beside those of others.
@@ -43,6 +46,14 @@ pub(crate) fn tangent<const N: usize>(
     serves: &[u16],
     apart: &[(&Constants, f64)],
 ) -> Option<Box<dyn Tangent>> {
+    Some(Box::new(built::<N, LANES>(joints, serves, apart)?))
+}
+
+fn built<const N: usize, const L: usize>(
+    joints: &[Joint<f64, N, EffectSet<f64>>],
+    serves: &[u16],
+    apart: &[(&Constants, f64)],
+) -> Option<Built<N, L>> {
     let joints = constants(joints)?
         .iter()
         .enumerate()
@@ -51,8 +62,8 @@ pub(crate) fn tangent<const N: usize>(
             let others: Vec<_> = others.collect::<Option<_>>()?;
             weave::woven(base, &others).ok().map(Woven::new)
         })
-        .collect::<Option<Vec<Woven<N>>>>()?;
-    Some(Box::new(Built { joints, serves: serves.to_vec() }))
+        .collect::<Option<Vec<Woven<N, L>>>>()?;
+    Some(Built { joints, serves: serves.to_vec() })
 }
 
 /// Whether joints move smoothly to others, a step away and two.
@@ -67,21 +78,21 @@ pub(crate) fn is_smooth<const N: usize>(
         })
 }
 
-struct Built<const N: usize> {
-    joints: Vec<Woven<N>>,
+struct Built<const N: usize, const L: usize> {
+    joints: Vec<Woven<N, L>>,
     serves: Vec<u16>,
 }
 
-struct Woven<const N: usize> {
-    joint: Joint<Dual, N, EffectSet<Dual>>,
+struct Woven<const N: usize, const L: usize> {
+    joint: Joint<Dual<L>, N, EffectSet<Dual<L>>>,
     /// What one of each is in SI.
-    current: Dual,
-    speed: Dual,
-    angle: Dual,
+    current: Dual<L>,
+    speed: Dual<L>,
+    angle: Dual<L>,
 }
 
-impl<const N: usize> Woven<N> {
-    fn new(joint: Joint<Dual, N, EffectSet<Dual>>) -> Self {
+impl<const N: usize, const L: usize> Woven<N, L> {
+    fn new(joint: Joint<Dual<L>, N, EffectSet<Dual<L>>>) -> Self {
         let mut one = empty();
         one.current = Dual::ONE;
         one.rotor.speed = Dual::ONE;
@@ -89,7 +100,7 @@ impl<const N: usize> Woven<N> {
         Self { current, speed, angle: joint.angle_unit(), joint }
     }
 
-    fn unpack(&self, flat: &[Dual]) -> State<Dual, N> {
+    fn unpack(&self, flat: &[Dual<L>]) -> State<Dual<L>, N> {
         let layout = Layout { stages: N, memories: 0 };
         let mut state = empty();
         let [per_current, per_speed, per_angle] =
@@ -114,7 +125,7 @@ impl<const N: usize> Woven<N> {
         state
     }
 
-    fn pack(&self, state: &State<Dual, N>, flat: &mut [Dual]) {
+    fn pack(&self, state: &State<Dual<L>, N>, flat: &mut [Dual<L>]) {
         let layout = Layout { stages: N, memories: 0 };
         flat[Layout::CURRENT] = state.current * self.current;
         flat[Layout::ANGLE] = state.angle.part * Dual::constant(TAU);
@@ -133,7 +144,7 @@ impl<const N: usize> Woven<N> {
     }
 }
 
-fn empty<const N: usize>() -> State<Dual, N> {
+fn empty<const N: usize, const L: usize>() -> State<Dual<L>, N> {
     State {
         current: Dual::ZERO,
         angle: Angle::default(),
@@ -143,8 +154,8 @@ fn empty<const N: usize>() -> State<Dual, N> {
     }
 }
 
-impl<const N: usize> Tangent for Built<N> {
-    fn propagate(&self, k: usize, flat: &mut [Dual], drive: Dual, load: f64) {
+impl<const N: usize, const L: usize> Tangent<L> for Built<N, L> {
+    fn propagate(&self, k: usize, flat: &mut [Dual<L>], drive: Dual<L>, load: f64) {
         let woven = &self.joints[usize::from(self.serves[k.min(self.serves.len() - 1)])];
         let mut state = woven.unpack(flat);
         let input = woven.joint.input(drive, Dual::constant(load));

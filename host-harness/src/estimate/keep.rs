@@ -1,0 +1,99 @@
+//! What is kept of a filter's way along a record: all of it, or its likelihood alone, which the search
+//! for the noise asks for more often than all else together.
+
+use super::filter::{Gains, Run, Walk};
+use super::record::CHANNELS;
+
+/// Something that watches a filter.
+pub(super) trait Keep {
+    /// A channel of a sample was taken: the innovation over its sigma, one over that sigma, and what
+    /// each state gained by an innovation of one sigma.
+    fn taken(&mut self, sample: usize, channel: usize, error: f64, weight: f64, gain: &[f64]);
+    /// The states after a sample's measurements.
+    fn corrected(&mut self, states: &[f64]);
+}
+
+/// Gains and innovations, and the states where they are asked for.
+pub(super) struct Whole {
+    pub(super) gains: Gains,
+    pub(super) run: Run,
+    with_states: bool,
+}
+
+impl Whole {
+    pub(super) fn new(samples: usize, order: usize, walks: &[Walk], with_states: bool) -> Self {
+        let gains = Gains {
+            order,
+            gain: vec![0.0; samples * CHANNELS * order],
+            weight: vec![[0.0; CHANNELS]; samples],
+            walks: walks.to_vec(),
+        };
+        let states = Vec::with_capacity(if with_states { samples } else { 0 });
+        let run = Run { innovations: vec![[0.0; CHANNELS]; samples], states };
+        Self { gains, run, with_states }
+    }
+}
+
+impl Keep for Whole {
+    fn taken(&mut self, sample: usize, channel: usize, error: f64, weight: f64, gain: &[f64]) {
+        self.run.innovations[sample][channel] = error;
+        self.gains.weight[sample][channel] = weight;
+        let slot = (sample * CHANNELS + channel) * gain.len();
+        self.gains.gain[slot..slot + gain.len()].copy_from_slice(gain);
+    }
+
+    fn corrected(&mut self, states: &[f64]) {
+        if self.with_states {
+            self.run.states.push(states.to_vec());
+        }
+    }
+}
+
+/// Minus twice the log-likelihood over the samples of a mask.
+pub(super) struct Likelihood<'m> {
+    mask: &'m [f64],
+    squares: f64,
+    log_variance: f64,
+}
+
+impl<'m> Likelihood<'m> {
+    pub(super) fn over(mask: &'m [f64]) -> Self {
+        Self { mask, squares: 0.0, log_variance: 0.0 }
+    }
+
+    /// The sum; infinite where the innovations are not numbers.
+    pub(super) fn deviance(&self) -> f64 {
+        let squares = if self.squares.is_finite() { self.squares } else { f64::INFINITY };
+        squares + self.log_variance
+    }
+}
+
+impl Keep for Likelihood<'_> {
+    fn taken(&mut self, sample: usize, _: usize, error: f64, weight: f64, _: &[f64]) {
+        if self.mask[sample] > 0.0 {
+            self.squares += self.mask[sample] * error * error;
+            if weight > 0.0 {
+                self.log_variance -= 2.0 * self.mask[sample] * weight.ln();
+            }
+        }
+    }
+
+    fn corrected(&mut self, _: &[f64]) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_likelihood_is_the_sum_over_the_samples_of_a_mask() {
+        let mut likelihood = Likelihood::over(&[1.0, 0.0, 1.0]);
+        likelihood.taken(0, 0, 2.0, 0.5, &[]);
+        likelihood.taken(1, 0, 7.0, 0.1, &[]);
+        likelihood.taken(2, 2, 1.0, 4.0, &[]);
+        let wanted = 4.0 + 1.0 - 2.0 * (0.5_f64.ln() + 4.0_f64.ln());
+        assert!((likelihood.deviance() - wanted).abs() < 1e-12);
+        likelihood.taken(2, 1, f64::NAN, 1.0, &[]);
+        assert_eq!(likelihood.deviance(), f64::INFINITY);
+    }
+}
