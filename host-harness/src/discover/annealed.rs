@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
-use super::hypothesis::{Hypothesis, first_of_each};
+use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::protected::{conclude, gained};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{Contender, LEAST_GAIN, Search, Stage, title};
@@ -28,6 +28,9 @@ const TRUST: [(f64, usize, usize); 3] = [(30.0, 10, 4), (10.0, 4, 4), (3.0, 3, 6
 const SHARE: f64 = 0.003;
 /// Share of the best gain from which on a name is refitted until it gains nothing more.
 const NEAR: f64 = 0.9;
+/// Names that are fitted to the end where the best leaves no more than a model of little trust may: itself
+/// and its rival.
+const BESIDE: usize = 2;
 /// Twins that tell what a hypothesis explains by luck.
 const TWINS: u64 = 3;
 
@@ -57,16 +60,17 @@ pub(super) fn add_annealed(
         problem.fit(&base.origin, &anew, moved, &noise, rounds)
     };
     // A refit bends to a gap or a knee even with little trust; the nominal may be far off.
-    let starts = [from(rounds)?, from(0)?];
+    let (bent, nominal) = rayon::join(|| from(rounds), || from(0));
+    let starts = [bent?, nominal?];
     let tests: Vec<ScoreTest<'_>> = starts
-        .iter()
+        .par_iter()
         .filter_map(|start| ScoreTest::new(problem, &base.origin, start, TWINS))
         .collect();
     if tests.len() < starts.len() {
         return Ok(false);
     }
     let proposed: Vec<Vec<Hypothesis>> = tests
-        .iter()
+        .par_iter()
         .zip(&starts)
         .map(|(test, start)| {
             let scene = Scene::new(&start.model, problem.record, test);
@@ -79,6 +83,7 @@ pub(super) fn add_annealed(
         .map(|(test, hypotheses)| ranked(test, hypotheses).into_iter())
         .collect();
     let mut field: Vec<Entry<'_>> = Vec::new();
+    let mut explained = false;
     while rankings.iter().any(|ranked| ranked.len() > 0) {
         for (test, ranked) in rankings.iter_mut().enumerate() {
             field.extend(ranked.next().map(|(hypothesis, score)| {
@@ -95,12 +100,17 @@ pub(super) fn add_annealed(
             let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
             let noise = expected.distrusted(distrust);
             let fit = problem.fit_from(known, &origin, &entry.model, &moved, &noise, rounds)?;
-            Ok((cost(&fit), Entry { model: fit.model, ..entry }))
+            let scatter = problem.scatter(&fit.innovations);
+            Ok((cost(&fit), scatter, Entry { model: fit.model, ..entry }))
         });
-        let mut fitted = fitted.collect::<Result<Vec<_>, BuildError>>()?;
+        let mut fitted = run_through(fitted);
         fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        field = fitted.into_iter().map(|(_, entry)| entry).collect();
+        explained = fitted.first().is_some_and(|(_, scatter, _)| *scatter < 1.0);
+        field = fitted.into_iter().map(|(.., entry)| entry).collect();
         field = first_of_each(field, |entry| entry.hypothesis.name());
+    }
+    if explained {
+        field.truncate(BESIDE);
     }
     let noise = expected.distrusted(last);
     let stages = field.into_par_iter().map(|Entry { hypothesis, score, model, .. }| {
@@ -109,7 +119,7 @@ pub(super) fn add_annealed(
         Ok((hypothesis.name(), score, Stage { fit, origin }))
     });
     let mut tried = Vec::new();
-    for (name, score, stage) in stages.collect::<Result<Vec<_>, BuildError>>()? {
+    for (name, score, stage) in run_through(stages) {
         let believed = search.believes(&stage.fit.model, problem.record);
         let gain = believed.then(|| gained(&base.fit, &stage.fit));
         search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });

@@ -87,7 +87,8 @@ pub fn discover_without(
     }
     let coarse = whole.thinned(MOST_SAMPLES);
     // The filter corrects every sample, so that one interval need be right, not a whole run.
-    let micro_steps = (micro_steps(nominal, coarse.grid.typical_interval()) / 2).max(2);
+    let fewest = micro_steps(nominal, coarse.grid.typical_interval());
+    let micro_steps = (fewest / 2).max(2).min(fewest);
     let mut record = coarse.refined(micro_steps);
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();

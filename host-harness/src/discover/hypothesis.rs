@@ -2,9 +2,11 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
+use rayon::prelude::*;
 
 use crate::estimate::coordinates::Coordinate;
 use crate::model::Model;
+use crate::plant::BuildError;
 
 /// One free value of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +30,12 @@ pub enum Free {
         /// Prior.
         sigma: f64,
     },
+}
+
+/// The trials that could be run: a name whose model cannot be built on the way has lost, and the others
+/// go on.
+pub fn run_through<T: Send>(trials: impl ParallelIterator<Item = Result<T, BuildError>>) -> Vec<T> {
+    trials.filter_map(Result::ok).collect()
 }
 
 /// Of a ranking those that are the first of their name.
@@ -96,6 +104,12 @@ impl Hypothesis {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_trial_that_cannot_be_built_has_lost() {
+        let trials = [Ok(1), Err(BuildError::TooManyStages(9)), Ok(3)];
+        assert_eq!(run_through(trials.into_par_iter()), [1, 3]);
+    }
 
     #[test]
     fn of_each_name_the_first_is_kept() {

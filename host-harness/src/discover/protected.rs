@@ -15,7 +15,7 @@ use super::candidates::{self, Scene};
 use super::comb::{self, comb};
 use super::findings::ScoreRow;
 use super::followed::{Followed, followed};
-use super::hypothesis::{Hypothesis, first_of_each};
+use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
     Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
@@ -79,8 +79,7 @@ pub fn add_protected(
         let gain = cost(protected) - cost(&fit);
         Ok((hypothesis.name(), score, gain, Stage { fit, origin }))
     };
-    let fitted = promising.into_par_iter().map(beside_push);
-    let mut fitted = fitted.collect::<Result<Vec<_>, BuildError>>()?;
+    let mut fitted = run_through(promising.into_par_iter().map(beside_push));
     let strongest = fitted.iter().map(|(.., gain, _)| *gain).fold(0.0, f64::max);
     fitted.retain(|(.., gain, _)| *gain >= RIVALLING * strongest);
     let alone = |(name, score, _, Stage { fit, origin }): (_, _, _, Stage)| {
@@ -99,7 +98,7 @@ pub fn add_protected(
         let fit = Fit { model: start, coordinates, ..beside.clone() };
         fitted.push((name, 0.0, 0.0, Stage { fit, origin }));
     }
-    let alone = fitted.into_par_iter().map(alone).collect::<Result<Vec<_>, BuildError>>()?;
+    let alone = run_through(fitted.into_par_iter().map(alone));
     let mut tried: Vec<(Contender, Stage)> = Vec::new();
     for (name, score, stage) in alone {
         let gain = search

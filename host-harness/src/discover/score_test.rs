@@ -79,8 +79,9 @@ impl<'a> ScoreTest<'a> {
         let observer = Observer::new(&base.model, &*plant, problem.record);
         let mut along = Cow::Owned(Linearisation::default());
         let (_, run) = observer.design_along(&mut along, &base.noise, &problem.walks());
-        let pulls = std::iter::once(&base.innovations)
-            .chain(&nulls)
+        let all: Vec<_> = std::iter::once(&base.innovations).chain(&nulls).collect();
+        let pulls = all
+            .into_par_iter()
             .map(|rows| observer.pull(&base.gains, &along, &problem.masked(rows)))
             .collect();
         let mut test = Self {

@@ -18,7 +18,7 @@ use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
 use super::gate::PLAIN_TORQUE_EXCESS;
 use super::hope::try_hope;
-use super::hypothesis::{Hypothesis, first_of_each};
+use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::needless::{drop_needless, without};
 use super::order::ask_order;
 use super::protected::add_protected;
@@ -328,31 +328,27 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         .map(|(hypothesis, gain)| (hypothesis, gain.real))
         .take(SHORT)
         .collect();
-    let mut short = promising
-        .par_iter()
-        .map(|(hypothesis, score)| {
-            let (origin, coordinates) = base.widened(hypothesis);
-            let start = hypothesis.added(&base.fit.model);
-            let (near, noise) = (Some(test.jacobian()), &base.fit.noise);
-            let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
-            let fit = problem.fit_from(known, &origin, &start, &coordinates, noise, 3)?;
-            let gain = (cost(&base.fit) - cost(&fit)).max(*score);
-            Ok((*hypothesis, Stage { fit, origin }, gain))
-        })
-        .collect::<Result<Vec<_>, BuildError>>()?;
+    let short = promising.par_iter().map(|(hypothesis, score)| {
+        let (origin, coordinates) = base.widened(hypothesis);
+        let start = hypothesis.added(&base.fit.model);
+        let (near, noise) = (Some(test.jacobian()), &base.fit.noise);
+        let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
+        let fit = problem.fit_from(known, &origin, &start, &coordinates, noise, 3)?;
+        let gain = (cost(&base.fit) - cost(&fit)).max(*score);
+        Ok((*hypothesis, Stage { fit, origin }, gain))
+    });
+    let mut short = run_through(short);
     short.sort_by(|a, b| b.2.total_cmp(&a.2));
     let strongest = short.first().map_or(0.0, |(_, _, gain)| *gain);
     let contending: Vec<_> =
         short.into_iter().filter(|(_, _, gain)| *gain > RIVALLING * strongest).take(FULL).collect();
     let expected = search.expected;
-    let mut full: Vec<(&Hypothesis, Stage)> = contending
-        .into_par_iter()
-        .map(|(hypothesis, Stage { fit, origin }, _)| {
-            let Fit { model, coordinates, noise, .. } = fit;
-            let fit = refit::polish(&problem, &origin, &model, &coordinates, &expected, &noise)?;
-            Ok((hypothesis, Stage { fit, origin }))
-        })
-        .collect::<Result<Vec<_>, BuildError>>()?;
+    let full = contending.into_par_iter().map(|(hypothesis, Stage { fit, origin }, _)| {
+        let Fit { model, coordinates, noise, .. } = fit;
+        let fit = refit::polish(&problem, &origin, &model, &coordinates, &expected, &noise)?;
+        Ok((hypothesis, Stage { fit, origin }))
+    });
+    let mut full: Vec<(&Hypothesis, Stage)> = run_through(full);
     full.retain(|(_, stage)| search.believes(&stage.fit.model, problem.record));
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     // The base gets the same last refinement of its noise as its challengers had.

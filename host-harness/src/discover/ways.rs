@@ -2,8 +2,9 @@
 //! said enough.
 
 use super::annealed::add_annealed;
+use super::gate::PLAIN_TORQUE_EXCESS;
 use super::protected::add_protected;
-use super::search::{CALM, LOST, Search, add_settled, excess};
+use super::search::{LOST, Search, add_settled, excess};
 use crate::estimate::fit::Problem;
 use crate::estimate::refit::cost;
 use crate::interrupt;
@@ -26,9 +27,9 @@ enum Way {
 }
 
 /// Adds the best name to a base that is lost, by the way that explains most of the log; none is asked
-/// after one that leaves only noise, after two that agree, nor after growing trust where that leaves a
-/// model that is not lost, or a tenth of what there was. A push takes with it what changes slowly, and a lost
-/// fit bends to what is large.
+/// after one that leaves what a right model may need, after two that agree, nor after growing trust where
+/// that leaves a model that is not lost, or a tenth of what there was. A push takes with it what changes
+/// slowly, and a lost fit bends to what is large.
 pub(super) fn add_to_lost(
     problem: Problem<'_>,
     search: &mut Search,
@@ -61,7 +62,10 @@ pub(super) fn add_to_lost(
             *search = other;
         }
         found |= added;
-        let enough = if way == Annealed { LOST.max(EXPLAINED * excess(&base)) } else { CALM };
+        let enough = match way {
+            Annealed => LOST.max(EXPLAINED * excess(&base)),
+            Settled | Protected => PLAIN_TORQUE_EXCESS,
+        };
         if interrupt::asked() || agreed || found && excess(search) < enough {
             break;
         }

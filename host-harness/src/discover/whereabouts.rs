@@ -116,18 +116,19 @@ pub fn disagreeing(
     noise: &Noise,
 ) -> Result<Vec<(Walk, Fit)>, BuildError> {
     let Stage { fit: plain, origin } = before;
-    let mut starts = Vec::new();
-    for model in [&plain.model, origin] {
-        let mut along = Cow::Owned(Linearisation::default());
-        problem.design_along(&mut along, model, noise)?;
-        starts.push((model, along));
-    }
+    let starts = [&plain.model, origin]
+        .into_par_iter()
+        .map(|model| {
+            let mut along = Cow::Owned(Linearisation::default());
+            problem.design_along(&mut along, model, noise)?;
+            Ok((model, along))
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
     let scored = pushes(problem, &plain.model, noise)
         .par_iter()
         .flat_map_iter(|walk| starts.iter().map(move |(model, along)| (*walk, *model, along)))
         .map(|(walk, model, along)| {
-            let along = &mut Cow::Borrowed(&**along);
-            let deviance = problem.pushed(walk).design_along(along, model, noise)?.deviance;
+            let deviance = problem.pushed(walk).deviance_along(along, model, noise)?;
             Ok((deviance, walk, model))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;

@@ -30,6 +30,7 @@ pub(super) use cogging::listed;
 pub use scene::Scene;
 
 use joint_core::effect::Kind;
+use rayon::prelude::*;
 
 use super::hypothesis::Hypothesis;
 
@@ -63,6 +64,6 @@ pub const ALL: &[Candidate] = &[
 
 /// What all candidates propose, but for kinds that are withdrawn.
 pub fn proposed(scene: &Scene<'_>, withdrawn: &[Kind]) -> Vec<Hypothesis> {
-    let all = ALL.iter().flat_map(|candidate| candidate(scene));
+    let all = ALL.par_iter().flat_map_iter(|candidate| candidate(scene));
     all.filter(|hypothesis| !withdrawn.contains(&hypothesis.start.kind)).collect()
 }
