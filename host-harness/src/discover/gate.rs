@@ -10,6 +10,7 @@ use crate::estimate::record::{CHANNELS, Channel};
 use crate::estimate::twin::null_innovations;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Most that the noise on the drive may exceed what is expected.
@@ -18,8 +19,13 @@ const DRIVE_EXCESS: f64 = 3.0;
 /// and of the plain one, which has no law of an effect that may be slightly other than the joint's.
 const TORQUE_EXCESS: f64 = 4.5;
 pub(super) const PLAIN_TORQUE_EXCESS: f64 = 2.2;
-/// Most that an autocorrelation may differ from the twins'.
+/// Twins that tell what a right model leaves.
+const TWINS: u64 = 6;
+/// Most that an autocorrelation may differ from the twins', beyond what theirs scatter: an encoder that
+/// stands on a count for long correlates as the moment has it.
 const COLOUR: f64 = 0.1;
+/// Sigmas of the twins' own scatter that are theirs.
+const SCATTER: f64 = 2.0;
 /// Most that a channel's variance may differ from the twins', relative.
 const VARIANCE: f64 = 0.15;
 /// Most that an innovation counts for, in sigmas.
@@ -34,7 +40,7 @@ pub struct Remainder {
     pub drive: f64,
     /// Noise on the rotor over what is expected.
     pub torque: f64,
-    /// Largest difference of an autocorrelation from the twins', by channel.
+    /// Largest difference of an autocorrelation from the twins' beyond their scatter, by channel.
     pub colour: [f64; CHANNELS],
     /// Variance over the twins', by channel; zero where nothing is measured.
     pub variance: [f64; CHANNELS],
@@ -63,7 +69,8 @@ impl Remainder {
             torque: fit.noise.torque / expected.torque,
             ..Self::default()
         };
-        let nulls = (0..3)
+        let nulls = (0..TWINS)
+            .into_par_iter()
             .map(|seed| null_innovations(&fit.model, problem, &fit.noise, 100 + seed))
             .collect::<Result<Vec<_>, _>>()?;
         for channel in Channel::ALL {
@@ -78,8 +85,8 @@ impl Remainder {
             remainder.variance[c] = own / variance;
             remainder.floor[c] = variance.sqrt();
             for lag in 0..LAGS {
-                let twin = twins.iter().map(|(_, colour)| colour[lag]).sum::<f64>() / count;
-                remainder.colour[c] = remainder.colour[c].max((own_colour[lag] - twin).abs());
+                let colours: Vec<f64> = twins.iter().map(|(_, colour)| colour[lag]).collect();
+                remainder.colour[c] = remainder.colour[c].max(beyond(own_colour[lag], &colours));
             }
         }
         let rows = nulls.iter().map(|null| rms(null, mask, None));
@@ -108,7 +115,7 @@ impl Remainder {
             let column = channel.column();
             if self.colour[c] > COLOUR {
                 all.push(format!(
-                    "the prediction errors of {column} are correlated (by {:.2} more than those of a twin)",
+                    "the prediction errors of {column} are correlated (by {:.2} more than those of twins)",
                     self.colour[c]
                 ));
             }
@@ -121,6 +128,14 @@ impl Remainder {
         }
         all
     }
+}
+
+/// How far a value lies from the twins' mean, beyond their scatter.
+fn beyond(own: f64, twins: &[f64]) -> f64 {
+    let count = twins.len().max(2) as f64;
+    let mean = twins.iter().sum::<f64>() / count;
+    let square = twins.iter().map(|twin| (twin - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    ((own - mean).abs() - SCATTER * square.sqrt()).max(0.0)
 }
 
 /// Variance and autocorrelations of one channel over the samples of a mask.
@@ -161,6 +176,14 @@ mod tests {
         };
         assert_eq!([complaints(1.6, true), complaints(3.0, true)], [0, 1]);
         assert_eq!([complaints(3.0, false), complaints(5.0, false)], [0, 1]);
+    }
+
+    #[test]
+    fn what_twins_scatter_by_is_theirs() {
+        let apart = beyond(0.2, &[0.0, 0.1, -0.1, 0.0, 0.1, -0.1]);
+        assert!((apart - (0.2 - SCATTER * 0.008_f64.sqrt())).abs() < 1e-12, "{apart}");
+        assert_eq!(beyond(0.2, &[0.0, 0.3, 0.1, 0.2, 0.4, 0.3]), 0.0);
+        assert!((beyond(0.2, &[0.01; 6]) - 0.19).abs() < 1e-12);
     }
 
     #[test]
