@@ -16,16 +16,16 @@ use nalgebra::DMatrix;
 use super::confidence::{SEPARATION, confidence};
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
+use super::finer::ask_finer;
 use super::force::relative_force_error;
 use super::gate::{Remainder, rms};
 use super::next_experiment::advice;
-use super::search::{Search, Stage, search};
+use super::search::{Search, search};
 use super::whereabouts::locate;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel, JoinError, Record};
-use crate::estimate::{noise, refit};
 use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
@@ -36,10 +36,8 @@ pub const STEPS: u64 = 8;
 /// Blocks of a log, and those that are held out.
 const BLOCKS: usize = 10;
 const HELD_OUT: [usize; 3] = [3, 6, 9];
-/// How many times finer the step is made when the gate complains.
+/// How many times finer the step is made where it may be what is missing.
 const FINER: u32 = 4;
-/// Rounds of the fit that shows whether that helps.
-const FINER_ROUNDS: usize = 2;
 /// Samples that are looked at; longer logs are thinned to stretches.
 const MOST_SAMPLES: usize = 60_000;
 
@@ -99,22 +97,9 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
-    if !found.rounds.is_empty() && !remainder.complaints(false).is_empty() && !interrupt::asked() {
-        // The step itself may be what is not noise: gaps and load-following friction ask for more.
+    if !found.rounds.is_empty() && !interrupt::asked() {
         let finer = coarse.refined(micro_steps * FINER);
-        let problem = Problem::new(&finer, &fitted);
-        let Stage { fit, origin } = &found.after;
-        let (model, moved, expected) = (&fit.model, &fit.coordinates, &found.expected);
-        let noise = noise::refine(&problem, model, expected, &fit.noise)?;
-        let better = problem.rough().fit(origin, model, moved, &noise, FINER_ROUNDS)?;
-        let mut left = Remainder::of(&problem, &better, expected, &fitted)?;
-        if left.complaints(false).len() < remainder.complaints(false).len()
-            || left.torque < 0.7 * remainder.torque
-        {
-            let (model, noise) = (&better.model, &better.noise);
-            let better = refit::polish(&problem, origin, model, moved, expected, noise)?;
-            left = Remainder::of(&problem, &better, expected, &fitted)?;
-            found.after = Stage { fit: better, origin: origin.clone() };
+        if let Some(left) = ask_finer(&Problem::new(&finer, &fitted), &mut found, &remainder)? {
             remainder = left;
             record = finer;
         }

@@ -11,6 +11,7 @@ mod confidence;
 mod contradiction;
 pub mod experiment;
 pub mod findings;
+mod finer;
 mod followed;
 pub mod force;
 pub mod gate;
