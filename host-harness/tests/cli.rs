@@ -22,10 +22,15 @@ stiffness_nm_per_rad = 300
 
 /// A folder with a model and a log of a voltage step, 2,000 samples at 200 µs.
 fn folder() -> tempfile::TempDir {
+    folder_with(2000)
+}
+
+/// The same with so many samples.
+fn folder_with(samples: u32) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("m.toml"), MODEL).unwrap();
     let mut log = String::from("t_s,u_v,i_a,motor_angle_rad,output_angle_rad,note\n");
-    for k in 0..2000 {
+    for k in 0..samples {
         let voltage = if k < 100 { 0.0 } else { 3.0 };
         log.push_str(&format!("{:.4},{voltage},9,9,9,x\n", f64::from(k) * 2e-4));
     }
@@ -204,7 +209,7 @@ fn a_kind_that_is_not_on_the_list_is_refused_with_the_list() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_concludes_with_all_files_and_says_so() {
-    let folder = folder();
+    let folder = folder_with(30_000);
     assert!(simulate(folder.path(), "").status.success());
     std::fs::rename(folder.path().join("o.csv"), folder.path().join("l.csv")).unwrap();
     let mut search = Command::new(env!("CARGO_BIN_EXE_joint"))
@@ -214,8 +219,8 @@ fn an_interrupt_concludes_with_all_files_and_says_so() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // Long enough for the handler to stand, far shorter than a search takes in a debug build.
-    std::thread::sleep(std::time::Duration::from_secs(2));
+    // Long enough for the handler to stand, far shorter than a search of so many samples takes.
+    std::thread::sleep(std::time::Duration::from_secs(1));
     assert!(search.try_wait().unwrap().is_none(), "the search ended before it was interrupted");
     let sent = Command::new("kill").args(["-INT", &search.id().to_string()]).status().unwrap();
     assert!(sent.success());
