@@ -86,7 +86,9 @@ impl Remainder {
             remainder.floor[c] = variance.sqrt();
             for lag in 0..LAGS {
                 let colours: Vec<f64> = twins.iter().map(|(_, colour)| colour[lag]).collect();
-                remainder.colour[c] = remainder.colour[c].max(beyond(own_colour[lag], &colours));
+                // Errors smaller than a right model's are none, whatever their colour.
+                let colour = remainder.variance[c].min(1.0) * beyond(own_colour[lag], &colours);
+                remainder.colour[c] = remainder.colour[c].max(colour);
             }
         }
         let rows = nulls.iter().map(|null| rms(null, mask, None));
