@@ -28,9 +28,6 @@ const TRUST: [(f64, usize, usize); 3] = [(30.0, 10, 4), (10.0, 4, 4), (3.0, 3, 6
 const SHARE: f64 = 0.003;
 /// Share of the best gain from which on a name is refitted until it gains nothing more.
 const NEAR: f64 = 0.9;
-/// Names that are fitted to the end where the best leaves no more than a model of little trust may: itself
-/// and its rival.
-const BESIDE: usize = 2;
 /// Twins that tell what a hypothesis explains by luck.
 const TWINS: u64 = 3;
 
@@ -83,7 +80,6 @@ pub(super) fn add_annealed(
         .map(|(test, hypotheses)| ranked(test, hypotheses).into_iter())
         .collect();
     let mut field: Vec<Entry<'_>> = Vec::new();
-    let mut explained = false;
     while rankings.iter().any(|ranked| ranked.len() > 0) {
         for (test, ranked) in rankings.iter_mut().enumerate() {
             field.extend(ranked.next().map(|(hypothesis, score)| {
@@ -100,17 +96,12 @@ pub(super) fn add_annealed(
             let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
             let noise = expected.distrusted(distrust);
             let fit = problem.fit_from(known, &origin, &entry.model, &moved, &noise, rounds)?;
-            let scatter = problem.scatter(&fit.innovations);
-            Ok((cost(&fit), scatter, Entry { model: fit.model, ..entry }))
+            Ok((cost(&fit), Entry { model: fit.model, ..entry }))
         });
         let mut fitted = run_through(fitted);
         fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        explained = fitted.first().is_some_and(|(_, scatter, _)| *scatter < 1.0);
-        field = fitted.into_iter().map(|(.., entry)| entry).collect();
+        field = fitted.into_iter().map(|(_, entry)| entry).collect();
         field = first_of_each(field, |entry| entry.hypothesis.name());
-    }
-    if explained {
-        field.truncate(BESIDE);
     }
     let noise = expected.distrusted(last);
     let stages = field.into_par_iter().map(|Entry { hypothesis, score, model, .. }| {

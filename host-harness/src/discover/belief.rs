@@ -14,6 +14,9 @@ use crate::model::Model;
 /// Share of the largest current at which a torque must still grow with the current.
 const RISING: f64 = 0.5;
 
+/// Share of a law's end within which a value is at it.
+const AT_END: f64 = 1e-3;
+
 impl Search {
     /// Whether a model's last effect is one that a joint can have and that no channel contradicts;
     /// keeps what does.
@@ -41,7 +44,8 @@ fn believable(model: &Model, record: &Record) -> bool {
     let Some(effect) = model.effects.last() else { return true };
     let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
     let inside = values.all(|(spec, value)| {
-        (value > spec.low || spec.low == 0.0) && (value < spec.high || spec.high == 0.0)
+        let [low, high] = [spec.low, spec.high].map(|end| (end, AT_END * end.abs()));
+        (value > low.0 + low.1 || low.0 == 0.0) && (value < high.0 - high.1 || high.0 == 0.0)
     });
     let ahead = effect.kind == Kind::SensorDelay && effect.values[0] < 0.0;
     let falling = effect.kind == Kind::TorqueSaturation

@@ -214,13 +214,6 @@ impl<'a> Problem<'a> {
         if sum.is_finite() { sum } else { f64::INFINITY }
     }
 
-    /// Mean squared innovation of the samples fitted to: one where a model is as right as it is believed.
-    pub fn scatter(&self, innovations: &[[f64; CHANNELS]]) -> f64 {
-        let taken = innovations.iter().zip(self.mask).filter(|(_, mask)| **mask > 0.0);
-        let count = taken.flat_map(|(row, _)| row).filter(|e| **e != 0.0).count();
-        self.sum_of_squares(innovations) / count.max(1) as f64
-    }
-
     /// Innovations of the samples fitted to; zero elsewhere.
     pub fn masked(&self, innovations: &[[f64; CHANNELS]]) -> Vec<[f64; CHANNELS]> {
         let rows = innovations.iter().zip(self.mask);
