@@ -44,8 +44,8 @@ fn believable(model: &Model, record: &Record) -> bool {
     let Some(effect) = model.effects.last() else { return true };
     let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
     let inside = values.all(|(spec, value)| {
-        let [low, high] = [spec.low, spec.high].map(|end| (end, AT_END * end.abs()));
-        (value > low.0 + low.1 || low.0 == 0.0) && (value < high.0 - high.1 || high.0 == 0.0)
+        let apart = |end: f64| end == 0.0 || (value - end).abs() > AT_END * end.abs();
+        apart(spec.low) && apart(spec.high)
     });
     let ahead = effect.kind == Kind::SensorDelay && effect.values[0] < 0.0;
     let falling = effect.kind == Kind::TorqueSaturation
@@ -99,6 +99,15 @@ mod tests {
         };
         assert!(knee(2.0) && knee(0.75));
         assert!(!knee(0.4));
+    }
+
+    #[test]
+    fn a_value_next_to_the_end_of_its_law_is_at_it() {
+        let width = |width: f64| {
+            let hysteresis = EffectParameters::new(Kind::StructuralHysteresis, Location::Stage(1));
+            believed(hysteresis.with("amplitude_nm", 1.0).with("width_rad", width), true)
+        };
+        assert_eq!([1e-9, 1.0001e-9, 1.1e-9, 999.9].map(width), [false, false, true, false]);
     }
 
     #[test]

@@ -140,7 +140,8 @@ pub fn add_protected(
     conclude(problem, search, round, tried)
 }
 
-/// Adds the best of the names that were tried, if it holds and is not owed to a better fit of the rest.
+/// Adds the best of the names that were tried, if it holds and is not owed to a better fit of the rest; what
+/// refitting on has driven to where no joint is believed is none of them.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -148,10 +149,11 @@ pub(super) fn conclude(
     problem: Problem<'_>,
     search: &mut Search,
     round: usize,
-    tried: Vec<(Contender, Stage)>,
+    mut tried: Vec<(Contender, Stage)>,
 ) -> Result<bool, BuildError> {
     let base = search.after.clone();
     let expected = search.expected;
+    tried.retain(|(_, stage)| search.believes(&stage.fit.model, problem.record));
     let mut tried = tried.into_iter();
     let Some((winner, stage)) = tried.next() else { return Ok(false) };
     if winner.gain < LEAST_GAIN {
