@@ -9,6 +9,7 @@ pub mod energy;
 pub mod estimate;
 pub mod export;
 pub mod fault;
+pub mod grid;
 pub mod inputs;
 pub mod interrupt;
 pub mod log;

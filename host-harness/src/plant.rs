@@ -2,9 +2,7 @@
 //!
 //! `joint-core` fixes the number of stages at compile time; a model file does not. This is where
 //! the one becomes the other, and where a log's uneven sampling becomes a set of joints, one per
-//! distinct interval.
-
-use std::collections::HashMap;
+//! distinct interval of its grid.
 
 use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES};
@@ -14,6 +12,7 @@ use joint_core::params::ParameterError;
 use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
 
+use crate::grid::Grid;
 use crate::model::Model;
 use crate::tangent::{self, Constants, Linear, Tangent};
 
@@ -164,7 +163,7 @@ struct Built<S: Scalar, const N: usize> {
     /// One joint per distinct interval.
     joints: Vec<Joint<S, N, EffectSet<S>>>,
     /// Which of them serves the interval after a sample.
-    serves: Vec<u16>,
+    serves: Vec<u32>,
 }
 
 impl<S: Scalar, const N: usize> Built<S, N> {
@@ -188,7 +187,7 @@ impl<S: Scalar, const N: usize> Built<S, N> {
     }
 
     fn joint(&self, k: usize) -> &Joint<S, N, EffectSet<S>> {
-        &self.joints[usize::from(self.serves[k.min(self.serves.len() - 1)])]
+        &self.joints[self.serves[k.min(self.serves.len() - 1)] as usize]
     }
 }
 
@@ -273,75 +272,6 @@ impl<const N: usize> Plant for Built<f64, N> {
 
     fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool {
         tangent::is_smooth(&self.joints, steps)
-    }
-}
-
-/// Typical intervals from which on missing samples are a gap, and the joint behind it one that may
-/// have done anything.
-pub const GAP: f64 = 20.0;
-
-/// The distinct intervals of a record.
-#[derive(Clone, Debug)]
-pub struct Grid {
-    /// Distinct intervals, s.
-    intervals: Vec<f64>,
-    serves: Vec<u16>,
-    /// Steps taken per interval.
-    per_interval: u32,
-    /// Micro-steps of a typical interval.
-    micro_steps: Option<u32>,
-    /// How joints are stepped; `None` leaves it to them.
-    method: Option<Method>,
-    /// Median interval, s.
-    typical: f64,
-}
-
-impl Grid {
-    /// Of a record's sample times, told apart to a ten-thousandth of the shortest.
-    pub fn new(time_s: &[f64], micro_steps: Option<u32>) -> Self {
-        let shortest =
-            time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        let unit = if shortest.is_finite() { shortest * 1e-4 } else { 1.0 };
-        let (mut intervals, mut serves) = (Vec::new(), Vec::with_capacity(time_s.len()));
-        let mut known = HashMap::new();
-        for pair in time_s.windows(2) {
-            // Few distinct values: a clock has jitter, but a file has digits.
-            let key = ((pair[1] - pair[0]) / unit).round() as i64;
-            let index = *known.entry(key).or_insert_with(|| {
-                intervals.push(key as f64 * unit);
-                (intervals.len() - 1) as u16
-            });
-            serves.push(index);
-        }
-        if intervals.is_empty() {
-            intervals.push(1.0);
-            serves.push(0);
-        }
-        let mut sorted: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        sorted.sort_by(f64::total_cmp);
-        let typical = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
-        Self { intervals, serves, per_interval: 1, micro_steps, method: None, typical }
-    }
-
-    /// Micro-steps of an interval: more where a sample is missing, the same where a clock jitters.
-    fn micro_steps(&self, interval: f64) -> Option<u32> {
-        let asked = self.micro_steps?;
-        Some(asked.max((0.7 * f64::from(asked) * interval / self.typical).ceil() as u32))
-    }
-
-    /// What is stepped of an interval: an estimator starts anew behind a gap.
-    fn bridged(&self, interval: f64) -> f64 {
-        if self.micro_steps.is_some() { interval.min(GAP * self.typical) } else { interval }
-    }
-
-    /// Median interval, s.
-    pub fn typical_interval(&self) -> f64 {
-        self.typical
-    }
-
-    /// Length of the interval after sample `k`, s.
-    pub fn interval(&self, k: usize) -> f64 {
-        self.intervals[usize::from(self.serves[k.min(self.serves.len() - 1)])]
     }
 }
 

@@ -1,8 +1,9 @@
 //! Energy over every scenario, and friction that never creates any.
 
 use host_harness::energy::Ledger;
+use host_harness::grid::Grid;
 use host_harness::model::Model;
-use host_harness::plant::{self, Grid, Inputs, Layout, Plant};
+use host_harness::plant::{self, Inputs, Layout, Plant};
 use host_harness::reproduce::{driven, prescribed, scene, systems};
 use host_harness::scenario::{self, GRID_S, Scenario};
 use joint_core::effect::{EffectParameters, Kind};

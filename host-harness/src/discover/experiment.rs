@@ -14,8 +14,9 @@ use super::search::Stage;
 use crate::estimate::fit::Problem;
 use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::estimate::twin::twin;
+use crate::grid::Grid;
 use crate::model::Model;
-use crate::plant::{BuildError, Grid, Layout, plant};
+use crate::plant::{BuildError, Layout, plant};
 
 /// Most samples of an experiment.
 const SAMPLES: usize = 8000;

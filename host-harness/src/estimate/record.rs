@@ -2,9 +2,9 @@
 
 use joint_core::joint::Drive;
 
+use crate::grid::{GAP, Grid};
 use crate::log::Log;
 use crate::model::Model;
-use crate::plant::{GAP, Grid};
 
 /// The measured channels, in the order of the residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -10,8 +10,9 @@ use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 use super::{DriveOptions, ExportError, identifier};
+use crate::grid::Grid;
 use crate::model::Model;
-use crate::plant::{self, Grid};
+use crate::plant;
 
 /// The FMU's bytes: a zip archive of FMI 2.0 for co-simulation, for the computer that this runs on.
 ///

@@ -7,8 +7,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::twin::Twin;
 use crate::estimate::record::CHANNELS;
+use crate::grid::Grid;
 use crate::model::Model;
-use crate::plant::{BuildError, Grid, Layout, inertias, output_shaft, plant};
+use crate::plant::{BuildError, Layout, inertias, output_shaft, plant};
 
 /// Order of the observer's quantities: those of the plant, then load (Nm), its slope (Nm a step),
 /// the drive beside the applied one (V or A), and the shares by which resistance (less that of the

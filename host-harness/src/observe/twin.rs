@@ -12,8 +12,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::rating::Rating;
+use crate::grid::Grid;
 use crate::model::Model;
-use crate::plant::{BuildError, Grid, Layout, plant};
+use crate::plant::{BuildError, Layout, plant};
 
 /// A motion of the joint whose every quantity is known.
 #[derive(Clone, Debug)]

@@ -28,7 +28,7 @@ pub trait Linear: Send + Sync {
 /// The derivatives of joints with `states` states; `None` for more than there are lanes for.
 pub(crate) fn linear<const N: usize>(
     joints: &[Joint<f64, N, EffectSet<f64>>],
-    serves: &[u16],
+    serves: &[u32],
     states: usize,
 ) -> Option<Box<dyn Linear>> {
     // A lane for every state and one for the drive; a rotor has four states and a stage three.

@@ -43,7 +43,7 @@ pub(crate) fn constants<const N: usize>(
 /// than their numbers.
 pub(crate) fn tangent<const N: usize>(
     joints: &[Joint<f64, N, EffectSet<f64>>],
-    serves: &[u16],
+    serves: &[u32],
     apart: &[(&Constants, f64)],
 ) -> Option<Box<dyn Tangent>> {
     Some(Box::new(built::<N, LANES>(joints, serves, apart)?))
@@ -51,7 +51,7 @@ pub(crate) fn tangent<const N: usize>(
 
 fn built<const N: usize, const L: usize>(
     joints: &[Joint<f64, N, EffectSet<f64>>],
-    serves: &[u16],
+    serves: &[u32],
     apart: &[(&Constants, f64)],
 ) -> Option<Built<N, L>> {
     let joints = constants(joints)?
@@ -80,7 +80,7 @@ pub(crate) fn is_smooth<const N: usize>(
 
 struct Built<const N: usize, const L: usize> {
     joints: Vec<Woven<N, L>>,
-    serves: Vec<u16>,
+    serves: Vec<u32>,
 }
 
 struct Woven<const N: usize, const L: usize> {
@@ -156,7 +156,7 @@ fn empty<const N: usize, const L: usize>() -> State<Dual<L>, N> {
 
 impl<const N: usize, const L: usize> Tangent<L> for Built<N, L> {
     fn propagate(&self, k: usize, flat: &mut [Dual<L>], drive: Dual<L>, load: f64) {
-        let woven = &self.joints[usize::from(self.serves[k.min(self.serves.len() - 1)])];
+        let woven = &self.joints[self.serves[k.min(self.serves.len() - 1)] as usize];
         let mut state = woven.unpack(flat);
         let input = woven.joint.input(drive, Dual::constant(load));
         woven.joint.step(&mut state, input);
