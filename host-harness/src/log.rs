@@ -65,6 +65,25 @@ impl Log {
         self.time_s.len()
     }
 
+    /// The samples that are marked, of every column; a mark for each sample.
+    pub fn only(&self, marked: &[bool]) -> Self {
+        let of = |values: &[f64]| -> Vec<f64> {
+            values.iter().zip(marked).filter(|(_, marked)| **marked).map(|(v, _)| *v).collect()
+        };
+        let column = |values: &Option<Vec<f64>>| values.as_deref().map(of);
+        Self {
+            time_s: of(&self.time_s),
+            voltage_v: column(&self.voltage_v),
+            current_a: column(&self.current_a),
+            motor_angle_rad: of(&self.motor_angle_rad),
+            output_angle_rad: column(&self.output_angle_rad),
+            load_torque_nm: column(&self.load_torque_nm),
+            bus_v: column(&self.bus_v),
+            temperature_c: column(&self.temperature_c),
+            reference_angle_rad: column(&self.reference_angle_rad),
+        }
+    }
+
     /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()

@@ -149,6 +149,11 @@ pub fn discover_without(
         next_experiment += &told(experiment);
     }
     let mut reasons = reasons(&found, &record, &gap, &complaints);
+    let given: usize = logs.iter().map(Log::len).sum();
+    if given > samples {
+        let silent = given - samples;
+        reasons.push(format!("{silent} samples were left out: nothing says what drove the joint"));
+    }
     if samples > record.len() {
         reasons.push(format!(
             "of {samples} samples {} were looked at, in stretches over the whole log",

@@ -1,5 +1,7 @@
 //! A log as the estimator sees it: inputs, measurements, and the grid of its intervals.
 
+use std::borrow::Cow;
+
 use joint_core::joint::Drive;
 
 use crate::grid::{GAP, Grid};
@@ -113,8 +115,10 @@ impl Record {
         Ok(whole)
     }
 
-    /// From a log; `micro_steps` of every interval, `None` takes what the parameters ask for.
+    /// From a log, without the stretches in which nothing says what drove the joint; `micro_steps` of every
+    /// interval, `None` takes what the parameters ask for.
     pub fn new(log: &Log, micro_steps: Option<u32>) -> Self {
+        let log = &driven(log);
         let n = log.time_s.len();
         let (drive, values) = match (&log.voltage_v, &log.current_a) {
             (Some(voltage), _) => (Drive::Voltage, voltage.clone()),
@@ -266,6 +270,29 @@ pub(super) fn caught(angle_rad: &[f64]) -> Option<usize> {
     None
 }
 
+/// A log without the stretches in which its input is missing for longer than a gap lasts: a drive that lets
+/// go of a joint logs nothing, and a joint that is let go is neither held nor shorted. What stands between
+/// two of them for no longer goes as well.
+fn driven(log: &Log) -> Cow<'_, Log> {
+    let Some(input) = log.voltage_v.as_ref().or(log.current_a.as_ref()) else {
+        return Cow::Borrowed(log);
+    };
+    let known: Vec<bool> = input.iter().map(|value| value.is_finite()).collect();
+    let long = |known: &[bool]| known.len() > GAP as usize;
+    let mut kept = Vec::with_capacity(known.len());
+    for stretch in known.chunk_by(|a, b| a == b) {
+        kept.extend(stretch.iter().map(|known| *known || !long(stretch)));
+    }
+    if kept.iter().all(|kept| *kept) {
+        return Cow::Borrowed(log);
+    }
+    let mut whole = Vec::with_capacity(kept.len());
+    for stretch in kept.chunk_by(|a, b| a == b) {
+        whole.extend(stretch.iter().map(|kept| *kept && long(stretch)));
+    }
+    if whole.contains(&true) { Cow::Owned(log.only(&whole)) } else { Cow::Borrowed(log) }
+}
+
 /// Missing inputs hold the last value.
 fn held(mut values: Vec<f64>) -> Vec<f64> {
     let mut last = 0.0;
@@ -306,6 +333,26 @@ mod tests {
             *time += 5e-3;
         }
         assert!(Record::new(&log, None).cuts.is_empty());
+    }
+
+    #[test]
+    fn samples_of_which_nothing_says_what_drove_the_joint_are_left_out() {
+        let mut log = log(1000);
+        let silent = |log: &mut Log, from: usize, to: usize| {
+            log.voltage_v.iter_mut().for_each(|volts| volts[from..to].fill(f64::NAN));
+        };
+        // A few are held.
+        silent(&mut log, 100, 115);
+        let record = Record::new(&log, None);
+        assert_eq!((record.len(), record.drive_values[110]), (1000, 99.0));
+        // Long ones are a gap each, and the ten samples between two of them are gone as well.
+        silent(&mut log, 400, 500);
+        silent(&mut log, 510, 600);
+        silent(&mut log, 950, 999);
+        let record = Record::new(&log, None);
+        assert_eq!(record.len(), 400 + 350);
+        assert_eq!((record.drive_values[400], record.time_s[400]), (600.0, 0.6));
+        assert_eq!((record.starts, record.cuts), (vec![0, 400], vec![400]));
     }
 
     #[test]
