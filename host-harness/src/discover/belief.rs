@@ -3,8 +3,11 @@
 //! A fit takes any value that makes the log likelier; a joint does not. What its law cannot be, and
 //! what a channel contradicts which is never fitted to, is no name.
 
-use joint_core::effect::Kind;
+use std::f64::consts::TAU;
+
+use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
+use joint_core::params::Location;
 
 use super::contradiction::contradiction;
 use super::search::Search;
@@ -37,20 +40,46 @@ impl Search {
     }
 }
 
-/// Whether a model's last effect is one that a joint can have: no value where its law ends, no sensor
-/// that sees the future, no torque that falls over half the range of this record's current. Behind gears
-/// two encoders may stand, of which only the difference is known.
+/// Whether a model's last effect is one that a joint can have.
 fn believable(model: &Model, record: &Record) -> bool {
-    let Some(effect) = model.effects.last() else { return true };
+    model.effects.last().is_none_or(|effect| possible(effect, model, record))
+}
+
+/// Whether an effect is one that a joint can have: no value where its law ends, no sensor that sees the
+/// future, no torque that falls over half the range of this record's current, no line along the rotor whose
+/// order was free to leave what the record's travel can show. Behind gears two encoders may stand, of which
+/// only the difference is known.
+pub(super) fn possible(effect: &EffectParameters, model: &Model, record: &Record) -> bool {
     let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
     let inside = values.all(|(spec, value)| {
         let apart = |end: f64| end == 0.0 || (value - end).abs() > AT_END * end.abs();
         apart(spec.low) && apart(spec.high)
     });
-    let ahead = effect.kind == Kind::SensorDelay && effect.values[0] < 0.0;
+    let delay = effect.kind == Kind::SensorDelay;
+    let ahead = delay && effect.values[0] < 0.0 && model.stages.is_empty();
     let falling = effect.kind == Kind::TorqueSaturation
         && effect.values[0] < RISING * largest_current(record);
-    inside && !falling && !(ahead && model.stages.is_empty())
+    inside && !ahead && !falling && !endless(effect, record)
+}
+
+/// Whether an effect is a line along the rotor of which the record holds no whole period: any slow course.
+/// Whole orders are not fitted.
+fn endless(effect: &EffectParameters, record: &Record) -> bool {
+    let parameters = effect.kind.spec().parameters;
+    let order = parameters.iter().position(|spec| spec.key == "order");
+    order.map(|place| effect.values[place]).is_some_and(|order| {
+        let fitted = effect.location == Location::Motor && order.fract() != 0.0;
+        fitted && order * travel(record) < TAU
+    })
+}
+
+/// Distance between the extreme angles of the rotor, rad.
+fn travel(record: &Record) -> f64 {
+    let angles = record.measured.iter().map(|row| row[Channel::Motor as usize]);
+    let (low, high) = angles
+        .filter(|angle| angle.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(a), h.max(a)));
+    (high - low).max(0.0)
 }
 
 /// The largest current that a record shows, A; zero where it shows none.
@@ -67,20 +96,17 @@ fn largest_current(record: &Record) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::EffectParameters;
-    use joint_core::params::Location;
-
     use super::*;
     use crate::demo::actuator;
     use crate::log::Log;
 
-    /// Whether an effect is believed of a log with currents up to 1 A.
+    /// Whether an effect is believed of a log with currents up to 1 A and one turn of the rotor.
     fn believed(effect: EffectParameters, geared: bool) -> bool {
         let log = Log {
             time_s: (0..400).map(|k| f64::from(k) * 1e-3).collect(),
             voltage_v: Some(vec![1.0; 400]),
             current_a: Some((0..400).map(|k| f64::from(k) / 399.0).collect()),
-            motor_angle_rad: vec![0.0; 400],
+            motor_angle_rad: (0..400).map(|k| TAU * f64::from(k) / 399.0).collect(),
             ..Log::default()
         };
         let mut model = actuator();
@@ -108,6 +134,15 @@ mod tests {
             believed(hysteresis.with("amplitude_nm", 1.0).with("width_rad", width), true)
         };
         assert_eq!([1e-9, 1.0001e-9, 1.1e-9, 999.9].map(width), [false, false, true, false]);
+    }
+
+    #[test]
+    fn a_fitted_order_has_a_whole_period_on_the_way() {
+        let line = |order: f64| {
+            let line = EffectParameters::new(Kind::Cogging, Location::Motor);
+            believed(line.with("order", order).with("amplitude_nm", 0.01), true)
+        };
+        assert_eq!([0.6, 1.0, 1.4].map(line), [false, true, true]);
     }
 
     #[test]

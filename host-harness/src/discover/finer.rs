@@ -51,3 +51,33 @@ pub(super) fn ask_finer(
     *found = other;
     Ok(Some(Remainder::of(problem, &found.after.fit, &found.expected, problem.mask)?))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial;
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::record::Record;
+    use crate::synthetic::{Experiment, record};
+
+    #[test]
+    fn what_coarse_steps_leave_out_is_asked_of_finer_ones() {
+        let truth = actuator();
+        let experiment = Experiment { sample_time_s: 4e-3, ..Experiment::clean(6.0) };
+        let log = record(&truth, &experiment, 3).unwrap();
+        let [coarse, fine] = [1, 16].map(|steps| Record::new(&log, Some(steps)));
+        let mask = vec![1.0; coarse.len()];
+        let [coarse, fine] = [&coarse, &fine].map(|record| Problem::new(record, &mask));
+        let expected = noise::expected(&truth, coarse.record);
+        let asked = |begun: &Problem<'_>, finer: &Problem<'_>| {
+            let stage = trial::fitted(begun, &truth, &[]);
+            let mut found = Search::new(stage, &[], expected);
+            let left = Remainder::of(begun, &found.after.fit, &expected, &mask).unwrap();
+            let better = ask_finer(finer, &mut found, &left).unwrap();
+            (left.torque, better.map(|better| better.torque))
+        };
+        let (begun, ended) = asked(&coarse, &fine);
+        assert!(ended.is_some_and(|ended| ended < 0.5 * begun), "{begun} {ended:?}");
+        assert!(asked(&fine, &fine).1.is_none());
+    }
+}

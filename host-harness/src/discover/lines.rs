@@ -29,6 +29,8 @@ const FINE: f64 = 4.0;
 /// How much stronger a line must be than whole orders beside it before its order is taken as not
 /// whole: friction and inertia smear a line, and a rotor has whole orders.
 const BROKEN: f64 = 1.6;
+/// Least periods in the record of a line whose order is not whole: less is any slow course.
+const REPEATS: f64 = 2.0;
 /// Longest transform.
 const LONGEST: usize = 1 << 22;
 
@@ -75,11 +77,12 @@ impl Family {
                 found.push((*order, own));
             }
         }
+        let repeated = least.max(REPEATS / turns);
         let reach = (1.5 * self.resolution()).max(0.02);
         for k in 1..power.len().saturating_sub(1) {
             let order = k as f64 * per_point;
             let peak = power[k] >= power[k - 1] && power[k] >= power[k + 1];
-            if !peak || order < least || order > self.highest {
+            if !peak || order < repeated || order > self.highest {
                 continue;
             }
             let nearest = order.round();
@@ -180,5 +183,12 @@ mod tests {
     fn an_order_that_is_not_whole_is_found_where_the_travel_tells() {
         let found = family(3.08, 41.0).strongest(3)[0];
         assert!((found - 3.08).abs() < 0.01, "{found}");
+    }
+
+    #[test]
+    fn of_less_than_two_periods_only_whole_orders_are_told() {
+        let family = Family { periods: 0.7, ..family(0.4, 3.0) };
+        let broken = |order: &f64| order.fract() != 0.0 && order * family.turns() < 2.0;
+        assert!(!family.strongest(20).iter().any(broken));
     }
 }

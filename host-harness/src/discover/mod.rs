@@ -6,6 +6,7 @@ pub mod answer;
 mod belief;
 mod bootstrap;
 pub mod candidates;
+mod chance;
 pub mod comb;
 mod confidence;
 mod contradiction;
@@ -14,6 +15,7 @@ pub mod findings;
 mod finer;
 mod followed;
 pub mod force;
+mod fork;
 pub mod gate;
 mod hope;
 pub mod hypothesis;
@@ -24,6 +26,8 @@ mod order;
 pub mod protected;
 pub mod score_test;
 pub mod search;
+#[cfg(test)]
+mod trial;
 mod ways;
 pub mod whereabouts;
 

@@ -1,11 +1,15 @@
 //! Effects that are no longer needed, or no longer believed.
 
+use std::borrow::Cow;
+
 use joint_core::effect::Kind;
 use joint_core::joint::Drive;
 
+use super::belief::possible;
 use super::contradiction::contradiction;
 use super::search::{LEAST_GAIN, Search, Stage, WEAK, holds};
-use crate::estimate::fit::Problem;
+use crate::estimate::filter::Linearisation;
+use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::parameters::Quantity;
 use crate::estimate::refit::{self, cost};
 use crate::model::Model;
@@ -58,6 +62,31 @@ pub(super) fn drop_needless(
         }
     }
     Ok(())
+}
+
+/// Drops the effects that their company has driven to where no joint is believed to be, or to where they do
+/// nothing.
+pub(super) fn drop_idle(problem: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
+    let mut k = 0;
+    while k < search.rounds.len() {
+        let (fit, place) = (&search.after.fit, search.place(k));
+        let believed = possible(&fit.model.effects[place], &fit.model, problem.record);
+        if believed && (search.rounds.len() == 1 || works(&problem, fit, place)?) {
+            k += 1;
+            continue;
+        }
+        search.after = bare(problem, search, k)?;
+        search.rounds.remove(k);
+    }
+    Ok(())
+}
+
+/// Whether a fit is the worse for the loss of an effect if all else stays.
+fn works(problem: &Problem<'_>, fit: &Fit, place: usize) -> Result<bool, BuildError> {
+    let along = Cow::Owned(Linearisation::default());
+    let alone = without(&fit.model, place);
+    let left = problem.deviance_along(&along, &alone, &fit.noise)?;
+    Ok(left.is_nan() || left - fit.deviance >= LEAST_GAIN)
 }
 
 /// What is left without the effect of round `k`, refitted from where its company stands.

@@ -75,27 +75,19 @@ mod tests {
     use joint_core::params::Location;
 
     use super::super::candidates::cogging;
+    use super::super::trial;
     use super::*;
-    use crate::demo::actuator;
     use crate::estimate::noise;
     use crate::estimate::record::Record;
-    use crate::synthetic::{Experiment, record};
 
     /// The order that is found for a line of order 42 on less than half a turn, begun at another one.
     fn found(begun: f64) -> Option<f64> {
-        let mut nominal = actuator();
-        nominal.stages.clear();
-        let mut truth = nominal.clone();
-        truth.effects.push(
-            EffectParameters::new(Kind::Cogging, Location::Motor)
-                .with("order", 42.0)
-                .with("amplitude_nm", 0.02)
-                .with("phase_rad", 0.8),
-        );
-        let push = |k: i32| 1.8 * (f64::from(k) * 4e-3).sin();
-        let voltage_v = Some((0..6000).map(push).collect());
-        let experiment = Experiment { voltage_v, ..Experiment::clean(0.6) };
-        let log = record(&truth, &experiment, 5).unwrap();
+        let nominal = trial::motor();
+        let line = EffectParameters::new(Kind::Cogging, Location::Motor)
+            .with("order", 42.0)
+            .with("amplitude_nm", 0.02)
+            .with("phase_rad", 0.8);
+        let log = trial::log(&nominal, line, 6000, 1.8);
         let (low, high) = log
             .motor_angle_rad
             .iter()
@@ -104,21 +96,9 @@ mod tests {
         let record = Record::new(&log, None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask);
+        let stage = trial::fitted(&problem, &nominal, &[cogging::line(begun, 0.01, false)]);
         let expected = noise::expected(&nominal, &record);
-        let line = cogging::line(begun, 0.01, false);
-        let origin = line.added(&nominal);
-        let mut coordinates = refit::coordinates(&nominal, &problem);
-        coordinates.extend(line.coordinates(0));
-        let fit = refit::polish(
-            &problem,
-            &origin,
-            &origin,
-            &coordinates,
-            &expected,
-            &expected.distrusted(3.0),
-        )
-        .unwrap();
-        let better = reordered(&problem, &Stage { fit, origin }, 0, &expected).unwrap();
+        let better = reordered(&problem, &stage, 0, &expected).unwrap();
         better.map(|stage| stage.fit.model.effects[0].values[0])
     }
 

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
+use super::chance::threshold;
 use super::comb::{self, comb};
 use super::findings::ScoreRow;
 use super::followed::{Followed, followed};
@@ -19,7 +20,7 @@ use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
     Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
-    bared, calm, holds, threshold, title,
+    bared, calm, holds, title,
 };
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::{Linearisation, Noise};

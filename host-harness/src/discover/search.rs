@@ -15,11 +15,13 @@ use rayon::prelude::*;
 use super::annealed::add_annealed;
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
+use super::chance::{threshold, told};
 use super::findings::ScoreRow;
+use super::fork::{Second, try_fork};
 use super::gate::PLAIN_TORQUE_EXCESS;
 use super::hope::try_hope;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
-use super::needless::{drop_needless, without};
+use super::needless::{drop_idle, drop_needless, without};
 use super::order::ask_order;
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
@@ -128,9 +130,29 @@ pub struct Search {
     settled: Option<f64>,
     /// The best of the weak names that no unseen sample bears out.
     pub(super) hope: Option<(Contender, Stage)>,
+    /// The name that was beaten by a little in the first round.
+    pub(super) second: Option<Second>,
 }
 
 impl Search {
+    /// One that has found nothing yet.
+    pub(super) fn new(before: Stage, withdrawn: &[Kind], expected: Noise) -> Self {
+        Self {
+            after: before.clone(),
+            before,
+            rounds: Vec::new(),
+            scores: Vec::new(),
+            orders: Vec::new(),
+            chance: Vec::new(),
+            contradictions: Vec::new(),
+            withdrawn: withdrawn.to_vec(),
+            expected,
+            settled: None,
+            hope: None,
+            second: None,
+        }
+    }
+
     /// Where the effect of round `k` stands among those of the improved model.
     pub fn place(&self, k: usize) -> usize {
         self.before.origin.effects.len() + k
@@ -154,19 +176,7 @@ pub fn search(
     // Contenders are told apart by tens; the model that is left in the end is polished.
     let last = problem;
     let problem = problem.rough();
-    let mut search = Search {
-        after: before.clone(),
-        before,
-        rounds: Vec::new(),
-        scores: Vec::new(),
-        orders: Vec::new(),
-        chance: Vec::new(),
-        contradictions: Vec::new(),
-        withdrawn: withdrawn.to_vec(),
-        expected,
-        settled: None,
-        hope: None,
-    };
+    let mut search = Search::new(before, withdrawn, expected);
     look(last, &mut search, bar)?;
     if search.rounds.is_empty() && !calm(&search.after.fit.noise, &search.expected) {
         bar.set_message("refitting from elsewhere");
@@ -183,11 +193,17 @@ pub fn search(
     if search.rounds.is_empty() && excess(&search) > LOST {
         try_hope(last, &mut search, bar)?;
     }
+    try_fork(last, &mut search, bar)?;
     if interrupt::asked() {
         return Ok(search);
     }
     bar.set_message("trying to do without");
+    let found = search.rounds.len();
     drop_needless(problem, &mut search, false)?;
+    if (1..found).contains(&search.rounds.len()) && excess(&search) > DOUBTED {
+        look(last, &mut search, bar)?;
+        drop_needless(problem, &mut search, false)?;
+    }
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
         settle(&last, &mut search)?;
@@ -231,12 +247,17 @@ pub(super) fn look(
         if interrupt::asked() || !add(last, search, round)? {
             break;
         }
+        if known == 0 {
+            search.keep_second();
+        }
         for k in known..search.rounds.len() {
             ask_order(last.rough(), search, k)?;
         }
+        drop_idle(last.rough(), search)?;
         let left = excess(search);
-        // Names that leave a model as lost as it was explain nothing; the first may lack company.
-        if search.rounds.len() > 1 && left > LOST && left > HELPS * before {
+        // Weak names that leave a model as lost as it was explain nothing; the first may lack company.
+        let weak = search.rounds.last().is_some_and(|round| round.gain < WEAK);
+        if search.rounds.len() > 1 && weak && left > LOST && left > HELPS * before {
             break;
         }
     }
@@ -441,40 +462,6 @@ pub fn holds(
     let unseen = Problem { mask: &unseen, ..problem };
     let deviance = |fit: &Fit| unseen.design(&fit.model, &fit.noise).map(|run| run.deviance);
     Ok(deviance(fit)? <= deviance(simpler)?)
-}
-
-/// The orders that are worth telling, strongest first.
-fn told(lines: &[(f64, Gain)], gains: &[Gain], by_chance: f64) -> Vec<f64> {
-    let strongest = lines.iter().map(|(_, gain)| gain.real).fold(0.0, f64::max);
-    // Lines only count where they rival the best hypothesis: every effect has some order.
-    let best = gains.iter().map(|gain| gain.real).fold(0.0, f64::max);
-    if strongest <= 0.3 * best {
-        return Vec::new();
-    }
-    let least = by_chance.min(LEAST_GAIN).max(0.02 * strongest);
-    let mut told: Vec<(f64, f64)> =
-        lines.iter().map(|(o, gain)| (*o, gain.real)).filter(|(_, gain)| *gain > least).collect();
-    told.sort_by(|a, b| b.1.total_cmp(&a.1));
-    told.into_iter().map(|(order, _)| order).take(8).collect()
-}
-
-/// What nothing reaches by chance: six sigma above the mean of the twins' best, each measured by its
-/// own luck.
-pub fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
-    let mut best = Vec::new();
-    for gain in gains {
-        best.resize(best.len().max(gain.null.len()), 0.0_f64);
-        for (best, null) in best.iter_mut().zip(&gain.null) {
-            *best = best.max(*null / gain.luck());
-        }
-    }
-    if best.is_empty() {
-        return LEAST_GAIN;
-    }
-    let count = best.len() as f64;
-    let mean = best.iter().sum::<f64>() / count;
-    let spread = (best.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / count).sqrt();
-    mean + 6.0 * spread
 }
 
 /// A name as it is shown.

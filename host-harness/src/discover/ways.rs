@@ -2,9 +2,10 @@
 //! said enough.
 
 use super::annealed::add_annealed;
+use super::bootstrap::stays_ahead;
 use super::gate::PLAIN_TORQUE_EXCESS;
 use super::protected::add_protected;
-use super::search::{LOST, Search, add_settled, excess};
+use super::search::{Contender, LOST, Search, add_settled, excess};
 use crate::estimate::fit::Problem;
 use crate::estimate::refit::cost;
 use crate::interrupt;
@@ -58,7 +59,9 @@ pub(super) fn add_to_lost(
             Protected => add_protected(problem, &mut other, round)?,
         };
         let agreed = found && added && name(&other) == name(search);
-        if !found || added && cost(&other.after.fit) < cost(&search.after.fit) {
+        if found && added {
+            better_of(search, other, base.rounds.len(), problem.mask);
+        } else if !found {
             *search = other;
         }
         found |= added;
@@ -71,4 +74,30 @@ pub(super) fn add_to_lost(
         }
     }
     Ok(found)
+}
+
+/// Keeps what explains more of two ways; the name that the other one gave is its rival from then on.
+fn better_of(search: &mut Search, other: Search, before: usize, mask: &[f64]) {
+    let mut beaten = other;
+    if cost(&beaten.after.fit) < cost(&search.after.fit) {
+        std::mem::swap(search, &mut beaten);
+    }
+    let behind = cost(&beaten.after.fit) - cost(&search.after.fit);
+    // Several lines at once are no rival of one name.
+    let ([own], [rival]) = (&mut search.rounds[before..], &beaten.rounds[before..]) else { return };
+    if own.name == rival.name {
+        return;
+    }
+    let contender = Contender { name: rival.name, gain: own.gain - behind };
+    own.rivals.retain(|known| known.name != contender.name || known.gain > contender.gain);
+    if own.rivals.iter().any(|known| known.name == contender.name) {
+        return;
+    }
+    let place = own.rivals.partition_point(|known| known.gain > contender.gain);
+    own.rivals.insert(place, contender);
+    if place == 0 {
+        let ahead = stays_ahead(&search.after.fit, &[&beaten.after.fit], mask);
+        own.stays_ahead = own.stays_ahead.min(ahead);
+        own.runner_up = Some(beaten.after);
+    }
 }

@@ -19,9 +19,9 @@ use joint_core::per_unit::Bases;
 /// Steps of the search, in the logarithm of a noise: the first, and the largest where it goes far.
 const FIRST_STRIDE: f64 = 0.8;
 const LARGEST_STRIDE: f64 = 3.2;
-/// Most that drive and rotor are taken to scatter, in the logarithm of what is expected: a filter that
-/// believes its model any less learns nothing from it.
-const MOST: f64 = 6.0;
+/// Times what is expected that drive and rotor are taken to scatter at most: a filter that believes its
+/// model any less learns nothing from it.
+const MOST: f64 = 8000.0;
 /// Most rounds of it.
 const MOST_ROUNDS: usize = 8;
 /// What a parabola must promise of minus twice the log-likelihood for its lowest point to be tried.
@@ -111,7 +111,7 @@ pub fn refine_along(
             let here = get(&noise, knob.which).ln();
             let moved = |shift: f64| {
                 let mut moved = noise;
-                let most = if knob.which < 2 { knob.expected + MOST } else { f64::INFINITY };
+                let most = if knob.which < 2 { knob.expected + MOST.ln() } else { f64::INFINITY };
                 set(&mut moved, knob.which, (here + shift).min(most).exp());
                 moved
             };

@@ -1,0 +1,130 @@
+//! Two names that explain about as much, of which neither is all.
+//!
+//! Which of them comes first is then decided by a hollow of the fit, and every later name is one beside it.
+//! So where something is still missing in the end, the way that the second one leads is gone as well.
+
+use indicatif::ProgressBar;
+
+use super::bootstrap::stays_ahead;
+use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, excess, look};
+use crate::estimate::fit::Problem;
+use crate::estimate::refit::cost;
+use crate::interrupt;
+use crate::plant::BuildError;
+
+/// Share of the first name's gain from which on a second one explains about as much.
+const AS_MUCH: f64 = 0.9;
+/// Times the expected noise from which on a search has not found what is missing.
+const ASTRAY: f64 = 3.0;
+
+/// A name that was beaten by a little, and the model with it.
+#[derive(Clone, Debug)]
+pub(super) struct Second {
+    contender: Contender,
+    first: Contender,
+    stage: Stage,
+}
+
+impl Search {
+    /// Keeps the name that came second in the first round, where it explained about as much.
+    pub(super) fn keep_second(&mut self) {
+        let [first] = &self.rounds[..] else { return };
+        let (Some(stage), Some(contender)) = (&first.runner_up, first.rivals.first()) else {
+            return;
+        };
+        if contender.gain >= AS_MUCH * first.gain {
+            let first = Contender { name: first.name, gain: first.gain };
+            let (contender, stage) = (contender.clone(), stage.clone());
+            self.second = Some(Second { contender, first, stage });
+        }
+    }
+}
+
+/// Searches again from the second name, where something is missing at the end; keeps what explains more.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn try_fork(
+    last: Problem<'_>,
+    search: &mut Search,
+    bar: &ProgressBar,
+) -> Result<(), BuildError> {
+    let Some(second) = search.second.take() else { return Ok(()) };
+    if interrupt::asked() || excess(search) < ASTRAY {
+        return Ok(());
+    }
+    let Second { contender: Contender { name, gain }, first, stage } = second;
+    let mut other = search.clone();
+    other.rounds = vec![Round {
+        name,
+        gain,
+        rivals: vec![first],
+        runner_up: None,
+        stays_ahead: stays_ahead(&stage.fit, &[&search.before.fit], last.mask),
+    }];
+    other.after = stage;
+    other.scores.retain(|row| row.round == 1);
+    other.chance.truncate(1);
+    look(last, &mut other, bar)?;
+    if cost(&search.after.fit) - cost(&other.after.fit) > LEAST_GAIN {
+        let reached = &search.after;
+        other.rounds[0].stays_ahead =
+            stays_ahead(&other.after.fit, &[&reached.fit, &search.before.fit], last.mask);
+        other.rounds[0].runner_up = Some(reached.clone());
+        *search = other;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::params::Location;
+
+    use super::super::candidates::cogging;
+    use super::super::search::Stage;
+    use super::super::trial;
+    use super::*;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    const LINE: (Kind, Location) = (Kind::Cogging, Location::Motor);
+
+    /// The order of the line that is left of two, where the first one explained nothing, the second one's
+    /// gain was this share of the first one's, and order 12 is the right one.
+    fn left(orders: [f64; 2], share: f64) -> f64 {
+        let nominal = trial::motor();
+        let line = EffectParameters::new(LINE.0, LINE.1)
+            .with("order", 12.0)
+            .with("amplitude_nm", 0.04)
+            .with("phase_rad", 0.8);
+        let log = trial::log(&nominal, line, 6000, 4.0);
+        let record = Record::new(&log, None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let with = |order| trial::fitted(&problem, &nominal, &[cogging::line(order, 0.01, false)]);
+        let [first, second]: [Stage; 2] = orders.map(with);
+        let before = trial::fitted(&problem, &nominal, &[]);
+        let mut search = Search::new(before, &[], expected);
+        search.rounds.push(Round {
+            name: LINE,
+            gain: 1000.0,
+            rivals: vec![Contender { name: LINE, gain: share * 1000.0 }],
+            runner_up: Some(second),
+            stays_ahead: 0.5,
+        });
+        search.after = first;
+        search.keep_second();
+        try_fork(problem, &mut search, &ProgressBar::hidden()).unwrap();
+        assert_eq!(search.rounds.len(), 1);
+        search.after.fit.model.effects[0].values[0]
+    }
+
+    #[test]
+    fn what_came_second_is_tried_where_something_is_missing_in_the_end() {
+        assert_eq!(left([5.0, 12.0], 0.95), 12.0);
+        assert_eq!(left([12.0, 5.0], 0.95), 12.0);
+        assert_eq!(left([5.0, 12.0], 0.5), 5.0);
+    }
+}

@@ -1,0 +1,44 @@
+//! What the tests of the search share: a short log in which something is hidden, and models that are
+//! fitted to it.
+
+use joint_core::effect::EffectParameters;
+
+use super::hypothesis::Hypothesis;
+use super::search::Stage;
+use crate::demo::actuator;
+use crate::estimate::fit::Problem;
+use crate::estimate::{noise, refit};
+use crate::log::Log;
+use crate::model::Model;
+use crate::synthetic::{Experiment, record};
+
+/// The motor of the demonstration without its gear.
+pub(super) fn motor() -> Model {
+    let mut model = actuator();
+    model.stages.clear();
+    model
+}
+
+/// A clean log of a model with an effect, swung with this voltage at 4 rad/s.
+pub(super) fn log(nominal: &Model, effect: EffectParameters, samples: i32, volts: f64) -> Log {
+    let mut truth = nominal.clone();
+    truth.effects.push(effect);
+    let push = |k: i32| volts * (f64::from(k) * 4e-3).sin();
+    let voltage_v = Some((0..samples).map(push).collect());
+    let duration = f64::from(samples) * 1e-4;
+    record(&truth, &Experiment { voltage_v, ..Experiment::clean(duration) }, 5).unwrap()
+}
+
+/// The nominal with these effects, refitted.
+pub(super) fn fitted(problem: &Problem<'_>, nominal: &Model, added: &[Hypothesis]) -> Stage {
+    let expected = noise::expected(nominal, problem.record);
+    let mut origin = nominal.clone();
+    let mut moved = refit::coordinates(nominal, problem);
+    for hypothesis in added {
+        moved.extend(hypothesis.coordinates(origin.effects.len()));
+        origin = hypothesis.added(&origin);
+    }
+    let doubt = expected.distrusted(3.0);
+    let fit = refit::polish(problem, &origin, &origin, &moved, &expected, &doubt).unwrap();
+    Stage { fit, origin }
+}
