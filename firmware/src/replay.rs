@@ -5,7 +5,7 @@
 //! the host, gives the same bits.
 
 use joint_core::effect::EffectSet;
-use joint_core::joint::{Joint, State};
+use joint_core::joint::{Input, Joint, State};
 
 use crate::samples::Sample;
 
@@ -27,10 +27,24 @@ pub fn steps<const N: usize, Error>(
     joint: &ReplayedJoint<N>,
     state: &mut State<f32, N>,
     samples: impl Iterator<Item = Sample>,
+    put: impl FnMut(f32) -> Result<(), Error>,
+) -> Result<(), Error> {
+    steps_by(joint, state, samples, |joint, state, input| joint.step(state, input), put)
+}
+
+/// The same with a step that may be watched.
+///
+/// # Errors
+/// The first that `put` returns.
+pub fn steps_by<const N: usize, Error>(
+    joint: &ReplayedJoint<N>,
+    state: &mut State<f32, N>,
+    samples: impl Iterator<Item = Sample>,
+    mut step: impl FnMut(&ReplayedJoint<N>, &mut State<f32, N>, Input<f32>),
     mut put: impl FnMut(f32) -> Result<(), Error>,
 ) -> Result<(), Error> {
     for sample in samples {
-        joint.step(state, joint.input(sample.input, sample.load));
+        step(joint, state, joint.input(sample.input, sample.load));
         // Whole turns are exact in f32 up to 2^24.
         put(state.current)?;
         put(state.angle.whole as f32)?;

@@ -1,16 +1,18 @@
 //! `replay PARAMETERS LOG STATES`: steps the f32 joint through a log, by the chip's instructions.
 //!
 //! It reads the parameter block and the log by semihosting, writes one row of states for each
-//! sample and prints KEY=value lines. The rows must equal the host's f32 run to the bit.
+//! sample and prints KEY=value lines, among them the instructions of a step, least and most over the log
+//! (exact on netduinoplus2 alone). The rows must equal the host's f32 run to the bit.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 mod on_board {
     use firmware::block::{Block, BlockError};
-    use firmware::board::{self, Access, Failure, Sink};
-    use firmware::replay::{ReplayedJoint, steps};
+    use firmware::board::{self, Access, Failure, InstructionCounter, Sink};
+    use firmware::replay::{ReplayedJoint, steps_by};
     use firmware::samples::{BLOCK_SAMPLES, SAMPLE_BYTES, samples};
+    use joint_core::joint::{Input, State};
     use semihosting::println;
 
     /// Most bytes of a parameter block.
@@ -39,17 +41,34 @@ mod on_board {
         let mut log = board::open(2, "log", Access::Read)?;
         let mut states = Sink::new(board::open(3, "states", Access::Write)?, "states");
         let mut chunk = [0; BLOCK_SAMPLES * SAMPLE_BYTES];
-        let mut count = 0;
+        let counter = InstructionCounter::start();
+        let (mut count, mut least, mut most) = (0, u32::MAX, 0);
+        let mut counted = |joint: &ReplayedJoint<N>, state: &mut State<f32, N>, input| {
+            let ((), spent) = counter.measure(|| step(joint, state, input));
+            (least, most) = (least.min(spent), most.max(spent));
+        };
         board::in_chunks(&mut log, "log", &mut chunk, |bytes| {
             let put = |number: f32| states.put(number.to_le_bytes());
-            steps(&joint, &mut state, samples(bytes), put)?;
+            steps_by(&joint, &mut state, samples(bytes), &mut counted, put)?;
             count += bytes.len() / SAMPLE_BYTES;
             Ok(())
         })?;
         states.flush()?;
         println!("samples={count}");
         println!("states_crc32={:08x}", states.checksum());
+        println!("micro_steps={}", joint.micro_steps());
+        println!("step_instructions={most}");
+        println!("step_instructions_least={least}");
         Ok(())
+    }
+
+    #[inline(never)]
+    fn step<const N: usize>(
+        joint: &ReplayedJoint<N>,
+        state: &mut State<f32, N>,
+        input: Input<f32>,
+    ) {
+        joint.step(state, input);
     }
 }
 

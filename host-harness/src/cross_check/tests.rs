@@ -1,6 +1,7 @@
 //! The drive's step against the reference: how near, and with which effects.
 
 use joint_core::effect::{EffectParameters, Kind};
+use joint_core::joint::Drive;
 use joint_core::params::Location;
 
 use super::*;
@@ -105,4 +106,24 @@ fn every_effect_is_the_same_in_the_step_and_in_the_reference() {
         let fine = worst(&errors(&model, &reversing, ScalarKind::F64, 5e-6));
         assert!(fine < 4e-3, "{name} across a reversal: {fine}");
     }
+}
+
+#[test]
+fn a_model_with_an_effect_is_checked_along_a_log() {
+    let mut model = crate::demo::actuator();
+    let line = EffectParameters::new(Kind::Cogging, Location::Motor);
+    model.effects.push(line.with("order", 42.0).with("amplitude_nm", 0.01));
+    let inputs = Inputs {
+        time_s: (0..400).map(|k| f64::from(k) * 1e-4).collect(),
+        drive: Drive::Voltage,
+        drive_values: (0..400).map(|k| if k % 200 < 100 { 3.0 } else { -2.0 }).collect(),
+        load_nm: vec![0.0; 400],
+    };
+    let check = along(&model, &inputs).unwrap();
+    assert!(check.passed(), "{check}");
+    let single = |row: &&Row| row.scalar == "f32" && row.step_us <= 50.0;
+    assert!(check.rows.iter().filter(single).all(|row| row.relative_rms < 1e-3), "{check}");
+    let plain = Model { effects: Vec::new(), ..model.clone() };
+    let speed = |model: &Model| plant::simulate(model, &inputs, ScalarKind::F64, None, None);
+    assert!(speed(&model).unwrap() != speed(&plain).unwrap());
 }

@@ -78,7 +78,7 @@ pub(super) fn try_fork(
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::effect::Kind;
     use joint_core::params::Location;
 
     use super::super::candidates::cogging;
@@ -94,12 +94,7 @@ mod tests {
     /// gain was this share of the first one's, and order 12 is the right one.
     fn left(orders: [f64; 2], share: f64) -> f64 {
         let nominal = trial::motor();
-        let line = EffectParameters::new(LINE.0, LINE.1)
-            .with("order", 12.0)
-            .with("amplitude_nm", 0.04)
-            .with("phase_rad", 0.8);
-        let log = trial::log(&nominal, line, 6000, 4.0);
-        let record = Record::new(&log, None);
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 6000, 4.0), None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask).rough();
         let expected = noise::expected(&nominal, &record);

@@ -71,9 +71,6 @@ fn reordered(
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::{EffectParameters, Kind};
-    use joint_core::params::Location;
-
     use super::super::candidates::cogging;
     use super::super::trial;
     use super::*;
@@ -83,11 +80,7 @@ mod tests {
     /// The order that is found for a line of order 42 on less than half a turn, begun at another one.
     fn found(begun: f64) -> Option<f64> {
         let nominal = trial::motor();
-        let line = EffectParameters::new(Kind::Cogging, Location::Motor)
-            .with("order", 42.0)
-            .with("amplitude_nm", 0.02)
-            .with("phase_rad", 0.8);
-        let log = trial::log(&nominal, line, 6000, 1.8);
+        let log = trial::log(&nominal, trial::line(42.0), 6000, 1.8);
         let (low, high) = log
             .motor_angle_rad
             .iter()

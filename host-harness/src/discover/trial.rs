@@ -1,7 +1,8 @@
 //! What the tests of the search share: a short log in which something is hidden, and models that are
 //! fitted to it.
 
-use joint_core::effect::EffectParameters;
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
 
 use super::hypothesis::Hypothesis;
 use super::search::Stage;
@@ -17,6 +18,14 @@ pub(super) fn motor() -> Model {
     let mut model = actuator();
     model.stages.clear();
     model
+}
+
+/// A line of cogging at this order, one and a half times the motor's Coulomb level.
+pub(super) fn line(order: f64) -> EffectParameters {
+    EffectParameters::new(Kind::Cogging, Location::Motor)
+        .with("order", order)
+        .with("amplitude_nm", 0.02)
+        .with("phase_rad", 0.8)
 }
 
 /// A clean log of a model with an effect, swung with this voltage at 4 rad/s.

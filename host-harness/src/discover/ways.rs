@@ -101,3 +101,50 @@ fn better_of(search: &mut Search, other: Search, before: usize, mask: &[f64]) {
         own.runner_up = Some(beaten.after);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::Kind;
+    use joint_core::params::Location;
+
+    use super::super::candidates::cogging;
+    use super::super::search::Round;
+    use super::super::trial;
+    use super::*;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn a_way_that_lost_gives_its_winner_a_rival() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 6000, 4.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let before = trial::fitted(&problem, &nominal, &[]);
+        let way = |order: f64, kind: Kind| {
+            let mut search = Search::new(before.clone(), &[], expected);
+            search.after = trial::fitted(&problem, &nominal, &[cogging::line(order, 0.01, false)]);
+            search.rounds.push(Round {
+                name: (kind, Location::Motor),
+                gain: cost(&before.fit) - cost(&search.after.fit),
+                rivals: Vec::new(),
+                runner_up: None,
+                stays_ahead: 1.0,
+            });
+            search
+        };
+        for [first, second] in [[5.0, 12.0], [12.0, 5.0]] {
+            let kind = |order: f64| if order == 12.0 { Kind::Cogging } else { Kind::Gravity };
+            let mut search = way(first, kind(first));
+            let other = way(second, kind(second));
+            better_of(&mut search, other, 0, &mask);
+            let [round] = &search.rounds[..] else { panic!("{:?}", search.rounds) };
+            assert_eq!(round.name.0, Kind::Cogging);
+            assert_eq!(round.rivals[0].name.0, Kind::Gravity);
+            assert!(round.rivals[0].gain < 0.5 * round.gain, "{:?}", round.rivals);
+            let rival = round.runner_up.as_ref().unwrap();
+            assert_eq!(rival.fit.model.effects[0].values[0], 5.0);
+        }
+    }
+}

@@ -2,8 +2,9 @@
 //!
 //! Sensor noise comes from the model's `[sensor]` table where it says so. The rest is found by
 //! maximum likelihood, with an expectation: a supply that is quiet to some 0.2 % of the largest
-//! voltage, a friction torque that scatters by some 3 % of its breakaway level. The expectation
-//! keeps a missing effect from being declared noise.
+//! voltage, a friction torque that scatters by some 2 % of its breakaway level, and as much as its
+//! sensor's noise makes where a current is the input. The expectation keeps a missing effect from being
+//! declared noise.
 
 use std::borrow::Cow;
 
@@ -50,10 +51,16 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
             friction.breakaway_nm() * bases.shaft(mass).abs()
         })
         .sum();
-    let floor = 1e-3 * largest * model.motor.torque_constant_nm_per_a;
+    let constant = model.motor.torque_constant_nm_per_a;
+    let felt = if breakaway > 0.0 { 0.02 * breakaway } else { 1e-3 * largest * constant };
+    // A measured current as the input brings its sensor's noise along.
+    let brought = match record.drive {
+        Drive::Voltage => 0.0,
+        Drive::Current => model.sensor.current_noise_a * constant,
+    };
     Noise {
         drive: (2e-3 * largest).max(1e-9),
-        torque: if breakaway > 0.0 { 0.02 * breakaway } else { floor },
+        torque: felt.hypot(brought),
         sensors: Channel::ALL.map(|channel| record.sensor_sigma(model, channel)),
     }
 }
@@ -171,5 +178,32 @@ fn set(noise: &mut Noise, which: usize, value: f64) {
         0 => noise.drive = value,
         1 => noise.torque = value,
         k => noise.sensors[(k - 2).min(CHANNELS - 1)] = value,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::actuator;
+    use crate::log::Log;
+
+    #[test]
+    fn a_measured_current_as_the_input_brings_its_sensors_noise() {
+        let mut model = actuator();
+        let felt = |model: &Model, voltage: bool| {
+            let values = Some(vec![1.0; 300]);
+            let log = Log {
+                time_s: (0..300).map(|k| f64::from(k) * 1e-3).collect(),
+                voltage_v: voltage.then(|| vec![1.0; 300]),
+                current_a: values,
+                motor_angle_rad: vec![0.0; 300],
+                ..Log::default()
+            };
+            expected(model, &Record::new(&log, None)).torque
+        };
+        let own = felt(&model, true);
+        model.sensor.current_noise_a = 3.0 * own / model.motor.torque_constant_nm_per_a;
+        assert!((felt(&model, false) / own - 10.0_f64.sqrt()).abs() < 1e-9);
+        assert_eq!(felt(&model, true), own);
     }
 }

@@ -3,6 +3,7 @@
 //! The firmware is built, run in QEMU where instructions are counted exactly, and its ELF files are
 //! measured; `budgets.toml` in the workspace's root holds the limits.
 
+mod model;
 mod observer;
 mod period;
 
@@ -17,19 +18,27 @@ use joint_core::joint::{Drive, Joint, Settings};
 use serde::Deserialize;
 use serde_json::json;
 
-use super::{Common, Failure, Outcome};
+use super::{Common, Failure, Outcome, read_model};
 use crate::scenario;
 
 /// Count instructions and memory of the step on a chip against `budgets.toml`
 ///
-/// Builds the firmware and runs it in QEMU (qemu-system-arm); exit 1 past a budget.
+/// Builds the firmware and runs it in QEMU (qemu-system-arm); exit 1 past a budget. With --model it counts
+/// the step of that model instead, with its effects and without.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
-  joint budget --json")]
+  joint budget --json
+  joint budget --model found/model.toml")]
 pub struct Args {
     /// Limits
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "model")]
     pub budgets: Option<PathBuf>,
+    /// Model whose step is counted
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Length of its step, µs
+    #[arg(long, value_name = "T", default_value_t = 50.0, requires = "model", value_parser = super::positive)]
+    pub period_us: f64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -47,6 +56,14 @@ const SOFT: &str = "thumbv7em-none-eabi";
 /// The limits cannot be read, or the firmware cannot be built or run.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    if let Some(path) = &args.model {
+        let (model, step_s) = (read_model(path)?, 1e-6 * args.period_us);
+        let bar = common.progress(0, "building and counting");
+        let rows = model::measure(&root, &model, step_s)?;
+        bar.finish_and_clear();
+        let text = model::told(&rows, step_s);
+        return Ok(Outcome::done(json!(rows), text));
+    }
     let path = args.budgets.clone().unwrap_or_else(|| root.join("budgets.toml"));
     let limits = limits(&path)?;
     let bar = common.progress(0, "building and counting");
@@ -64,7 +81,8 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     }
     if let Some(tick) = measured.get("tick_f32_instructions") {
         let frame = measured.get("frame_instructions").copied().unwrap_or(0);
-        let [tick, both] = [*tick, tick + frame].map(|count| 100.0 * period::share(count));
+        let [tick, both] =
+            [*tick, tick + frame].map(|count| 100.0 * period::share(count, period::PERIOD_S));
         let _ = writeln!(
             text,
             "the control interrupt is {tick:.0} % of a period at 20 kHz and 170 MHz, {both:.0} % with \
@@ -85,10 +103,7 @@ fn limits(path: &Path) -> Result<BTreeMap<String, u64>, Failure> {
 }
 
 fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
-    let target = match std::env::var_os("CARGO_TARGET_DIR") {
-        Some(folder) => root.join(folder).join("qemu"),
-        None => root.join("target/qemu"),
-    };
+    let target = folder_of(root);
     build(
         root,
         &target,
@@ -143,6 +158,14 @@ fn measure(root: &Path) -> Result<BTreeMap<String, u64>, Failure> {
     rows.insert("flash_bytes".to_owned(), flash(&elf(HARD, "replay"))?);
     rows.insert("flash_fixed_bytes".to_owned(), flash(&elf(SOFT, "count_fixed"))?);
     Ok(rows)
+}
+
+/// Where the firmware is built.
+fn folder_of(root: &Path) -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => root.join(folder).join("qemu"),
+        None => root.join("target/qemu"),
+    }
 }
 
 fn build(root: &Path, target: &Path, triple: &str, what: &[&str]) -> Result<(), Failure> {

@@ -1,12 +1,14 @@
 //! `joint cross-check`: the embedded method against the reference.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::{Common, Failure, Outcome};
+use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::cross_check::{self, CrossCheckError, Random, Speed, pareto};
+use crate::log::Need;
 use crate::output::OutDir;
+use crate::plant::Inputs;
 use crate::scenario;
 
 /// Check f32 in the embedded method against the f64 reference on every scenario
@@ -15,7 +17,8 @@ use crate::scenario;
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint cross-check --out check
-  joint cross-check --random 500 --stiff")]
+  joint cross-check --random 500 --stiff
+  joint cross-check --model found/model.toml --log log.csv")]
 pub struct Args {
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
@@ -29,7 +32,16 @@ pub struct Args {
     /// Random plants with springs up to a million times stiffer
     #[arg(long, requires = "random")]
     pub stiff: bool,
+    /// Run this model, its effects with it, along the inputs of a log instead of the scenarios
+    #[arg(long, value_name = "TOML", requires = "log", conflicts_with = "random")]
+    pub model: Option<PathBuf>,
+    /// The log, of which the first second counts
+    #[arg(long, value_name = "CSV", requires = "model")]
+    pub log: Option<PathBuf>,
 }
+
+/// Seconds of a log that a model is run along.
+const LOG_S: f64 = 1.0;
 
 /// Runs the verb.
 ///
@@ -51,6 +63,9 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         let text = random.to_string();
         return Ok(Outcome::done(json!(random), text));
     }
+    if let (Some(model), Some(log)) = (&args.model, &args.log) {
+        return along(model, log, out.as_ref(), common);
+    }
     let model = scenario::paper();
     let bar = common.progress(scenario::ALL.len() as u64, "scenarios");
     let mut check = cross_check::run(&model, &scenario::ALL, || bar.inc(1)).map_err(failed)?;
@@ -71,5 +86,29 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let json = json!({
         "passed": check.passed(), "rows": check.rows, "broken": check.broken(), "speed": check.speed,
     });
+    Ok(Outcome { json, text: check.to_string(), passed: check.passed() })
+}
+
+/// The check of a model of one's own.
+fn along(
+    model: &Path,
+    log: &Path,
+    out: Option<&OutDir>,
+    common: &Common,
+) -> Result<Outcome, Failure> {
+    let failed = |error: CrossCheckError| Failure::check(format!("{}: {error}", model.display()));
+    let (joint, log) = (read_model(model)?, read_log(log, Need::Drive)?);
+    let first = log.time_s.first().copied().unwrap_or(0.0);
+    let within: Vec<bool> = log.time_s.iter().map(|time| time - first <= LOG_S).collect();
+    let bar = common.progress(0, "along the log");
+    let check =
+        cross_check::along(&joint, &Inputs::from_log(&log.only(&within))).map_err(failed)?;
+    bar.finish_and_clear();
+    if let Some(out) = out {
+        let rows = serde_json::to_string_pretty(&check.rows)
+            .map_err(|error| Failure::check(error.to_string()))?;
+        out.write("cross-check.json", rows)?;
+    }
+    let json = json!({"passed": check.passed(), "rows": check.rows, "broken": check.broken()});
     Ok(Outcome { json, text: check.to_string(), passed: check.passed() })
 }

@@ -13,7 +13,7 @@ use crate::verb::Failure;
 
 /// Control periods that are counted, of which the most costly stands in the table.
 const SAMPLES: usize = 4_000;
-const PERIOD_S: f64 = 50e-6;
+pub(super) const PERIOD_S: f64 = 50e-6;
 const BUS_V: f64 = 12.0;
 /// Instructions a second of the STM32G431, were each one cycle.
 const CLOCK_HZ: f64 = 170e6;
@@ -56,9 +56,9 @@ pub(super) fn samples() -> Result<Vec<u8>, Failure> {
     Ok(samples.flat_map(|sample| sample.to_bytes()).collect())
 }
 
-/// Share of a control period at 20 kHz and 170 MHz, a cycle an instruction.
-pub(super) fn share(instructions: u64) -> f64 {
-    instructions as f64 / (CLOCK_HZ * PERIOD_S)
+/// Share of a control period at 170 MHz, a cycle an instruction.
+pub(super) fn share(instructions: u64, period_s: f64) -> f64 {
+    instructions as f64 / (CLOCK_HZ * period_s)
 }
 
 #[cfg(test)]
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_control_period_has_8500_cycles() {
-        assert!((share(8_500) - 1.0).abs() < 1e-12);
+        assert!((share(8_500, PERIOD_S) - 1.0).abs() < 1e-12);
     }
 
     #[test]
