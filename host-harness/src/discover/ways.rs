@@ -58,6 +58,11 @@ pub(super) fn add_to_lost(
             Annealed => add_annealed(problem, &mut other, round)?,
             Protected => add_protected(problem, &mut other, round)?,
         };
+        // A base that is lost no more when it is fitted from elsewhere misses no name.
+        if !added && excess(&other) <= LOST && cost(&other.after.fit) < cost(&search.after.fit) {
+            *search = other;
+            return Ok(false);
+        }
         let agreed = found && added && name(&other) == name(search);
         if found && added {
             better_of(search, other, base.rounds.len(), problem.mask);
