@@ -26,14 +26,8 @@ fn found(nominal: &Model, log: Log) -> Findings {
 }
 
 fn without(log: &Log, samples: Range<usize>) -> Log {
-    let mut left = log.clone();
-    let cut = |values: &mut Vec<f64>| drop(values.drain(samples.clone()));
-    cut(&mut left.time_s);
-    cut(&mut left.motor_angle_rad);
-    for values in [&mut left.voltage_v, &mut left.current_a, &mut left.output_angle_rad] {
-        values.iter_mut().for_each(cut);
-    }
-    left
+    let kept: Vec<bool> = (0..log.len()).map(|k| !samples.contains(&k)).collect();
+    log.only(&kept)
 }
 
 #[test]

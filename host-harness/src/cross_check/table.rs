@@ -45,7 +45,8 @@ impl fmt::Display for CrossCheck {
         }
         let broken = self.broken();
         if broken.is_empty() {
-            return write!(f, "\nevery bound holds ({} rows)", self.rows.len());
+            let bound = self.rows.iter().filter(|row| row.bound.is_some()).count();
+            return write!(f, "\nevery bound holds ({bound} of {} rows have one)", self.rows.len());
         }
         write!(f, "\n{} of {} rows break their bound:", broken.len(), self.rows.len())?;
         for row in broken {

@@ -10,6 +10,7 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 
 use super::contradiction::contradiction;
+use super::lines::span;
 use super::search::Search;
 use crate::estimate::record::{Channel, Record};
 use crate::model::Model;
@@ -69,17 +70,9 @@ fn endless(effect: &EffectParameters, record: &Record) -> bool {
     let order = parameters.iter().position(|spec| spec.key == "order");
     order.map(|place| effect.values[place]).is_some_and(|order| {
         let fitted = effect.location == Location::Motor && order.fract() != 0.0;
-        fitted && order * travel(record) < TAU
+        let angles = record.measured.iter().map(|row| row[Channel::Motor as usize]);
+        fitted && order * span(angles) < TAU
     })
-}
-
-/// Distance between the extreme angles of the rotor, rad.
-fn travel(record: &Record) -> f64 {
-    let angles = record.measured.iter().map(|row| row[Channel::Motor as usize]);
-    let (low, high) = angles
-        .filter(|angle| angle.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(a), h.max(a)));
-    (high - low).max(0.0)
 }
 
 /// The largest current that a record shows, A; zero where it shows none.

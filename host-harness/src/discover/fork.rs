@@ -6,7 +6,7 @@
 use indicatif::ProgressBar;
 
 use super::bootstrap::stays_ahead;
-use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, excess, look};
+use super::search::{Contender, DOUBTED, LEAST_GAIN, Round, Search, Stage, excess, look};
 use crate::estimate::fit::Problem;
 use crate::estimate::refit::cost;
 use crate::interrupt;
@@ -14,8 +14,6 @@ use crate::plant::BuildError;
 
 /// Share of the first name's gain from which on a second one explains about as much.
 const AS_MUCH: f64 = 0.9;
-/// Times the expected noise from which on a search has not found what is missing.
-const ASTRAY: f64 = 3.0;
 
 /// A name that was beaten by a little, and the model with it.
 #[derive(Clone, Debug)]
@@ -50,7 +48,7 @@ pub(super) fn try_fork(
     bar: &ProgressBar,
 ) -> Result<(), BuildError> {
     let Some(second) = search.second.take() else { return Ok(()) };
-    if interrupt::asked() || excess(search) < ASTRAY {
+    if interrupt::asked() || excess(search) < DOUBTED {
         return Ok(());
     }
     let Second { contender: Contender { name, gain }, first, stage } = second;
@@ -94,7 +92,7 @@ mod tests {
     /// gain was this share of the first one's, and order 12 is the right one.
     fn left(orders: [f64; 2], share: f64) -> f64 {
         let nominal = trial::motor();
-        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 6000, 4.0), None);
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask).rough();
         let expected = noise::expected(&nominal, &record);

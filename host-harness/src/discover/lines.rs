@@ -34,13 +34,18 @@ const REPEATS: f64 = 2.0;
 /// Longest transform.
 const LONGEST: usize = 1 << 22;
 
+/// Distance between the extremes of what is finite of a series.
+pub(super) fn span(series: impl Iterator<Item = f64>) -> f64 {
+    let finite = series.filter(|value| value.is_finite());
+    let (low, high) =
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(a), h.max(a)));
+    (high - low).max(0.0)
+}
+
 impl Family {
     /// Turns between the extremes of the angle.
     pub fn turns(&self) -> f64 {
-        let finite = self.angle.iter().filter(|angle| angle.is_finite());
-        let (low, high) =
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
-        if low < high { (high - low) / std::f64::consts::TAU } else { 0.0 }
+        span(self.angle.iter().copied()) / std::f64::consts::TAU
     }
 
     /// Smallest difference of orders that the travel can tell.

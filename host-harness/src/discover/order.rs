@@ -80,7 +80,7 @@ mod tests {
     /// The order that is found for a line of order 42 on less than half a turn, begun at another one.
     fn found(begun: f64) -> Option<f64> {
         let nominal = trial::motor();
-        let log = trial::log(&nominal, trial::line(42.0), 6000, 1.8);
+        let log = trial::log(&nominal, trial::line(42.0), 1.8);
         let (low, high) = log
             .motor_angle_rad
             .iter()

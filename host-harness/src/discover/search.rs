@@ -48,7 +48,7 @@ pub const WEAK: f64 = 5.0 * LEAST_GAIN;
 /// can be believed.
 pub const LOST: f64 = 10.0;
 /// Times the expected noise from which on something is missing even if no score says what.
-const DOUBTED: f64 = 3.0;
+pub(super) const DOUBTED: f64 = 3.0;
 /// Times the expected noise below which nothing is left to explain.
 pub const CALM: f64 = 1.5;
 /// Most of the noise that a name may leave of a lost base to be followed by another.

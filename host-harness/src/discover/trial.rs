@@ -28,14 +28,13 @@ pub(super) fn line(order: f64) -> EffectParameters {
         .with("phase_rad", 0.8)
 }
 
-/// A clean log of a model with an effect, swung with this voltage at 4 rad/s.
-pub(super) fn log(nominal: &Model, effect: EffectParameters, samples: i32, volts: f64) -> Log {
+/// A clean log of 0.6 s of a model with an effect, swung with this voltage.
+pub(super) fn log(nominal: &Model, effect: EffectParameters, volts: f64) -> Log {
     let mut truth = nominal.clone();
     truth.effects.push(effect);
     let push = |k: i32| volts * (f64::from(k) * 4e-3).sin();
-    let voltage_v = Some((0..samples).map(push).collect());
-    let duration = f64::from(samples) * 1e-4;
-    record(&truth, &Experiment { voltage_v, ..Experiment::clean(duration) }, 5).unwrap()
+    let voltage_v = Some((0..6000).map(push).collect());
+    record(&truth, &Experiment { voltage_v, ..Experiment::clean(0.6) }, 5).unwrap()
 }
 
 /// The nominal with these effects, refitted.

@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn a_way_that_lost_gives_its_winner_a_rival() {
         let nominal = trial::motor();
-        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 6000, 4.0), None);
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask).rough();
         let expected = noise::expected(&nominal, &record);

@@ -6,7 +6,7 @@ use joint_core::joint::Drive;
 use joint_core::params::{Friction, Location};
 use joint_core::per_unit::Bases;
 
-use super::super::lines::Family;
+use super::super::lines::{Family, span};
 use super::super::score_test::ScoreTest;
 use crate::estimate::adjoint::Pull;
 use crate::estimate::record::{Channel, Record};
@@ -80,11 +80,7 @@ impl<'a> Scene<'a> {
 
     /// Distance between a mass's extreme angles, rad.
     pub fn travel(&self, mass: usize) -> f64 {
-        let angles = self.angle(mass);
-        let (low, high) = angles
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
-        if low < high { high - low } else { 0.0 }
+        span(self.angle(mass).into_iter())
     }
 
     /// Length of the record, s.
