@@ -14,10 +14,10 @@ use super::findings::ScoreRow;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::protected::{conclude, gained};
 use super::score_test::{Gain, ScoreTest};
-use super::search::{Contender, LEAST_GAIN, Search, Stage, title};
+use super::search::{Contender, LEAST_GAIN, Search, Stage, WEAK, title};
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Known, Problem};
-use crate::estimate::refit::{self, cost};
+use crate::estimate::refit::{self, DOUBTFUL, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -28,6 +28,8 @@ const TRUST: [(f64, usize, usize); 3] = [(30.0, 10, 4), (10.0, 4, 4), (3.0, 3, 6
 const SHARE: f64 = 0.003;
 /// Share of the best gain from which on a name is refitted until it gains nothing more.
 const NEAR: f64 = 0.9;
+/// Share of the way from the best to the worst within which a name comes near.
+const WITHIN: f64 = 0.5;
 /// Twins that tell what a hypothesis explains by luck.
 const TWINS: u64 = 3;
 
@@ -88,6 +90,7 @@ pub(super) fn add_annealed(
             }));
         }
     }
+    let mut near = 0;
     for (distrust, most, rounds) in TRUST {
         field.truncate(most);
         let fitted = field.into_par_iter().map(|entry| {
@@ -100,33 +103,49 @@ pub(super) fn add_annealed(
         });
         let mut fitted = run_through(fitted);
         fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        fitted = first_of_each(fitted, |(_, entry)| entry.hypothesis.name());
+        near = in_reach(&fitted.iter().map(|(cost, _)| *cost).collect::<Vec<_>>());
         field = fitted.into_iter().map(|(_, entry)| entry).collect();
-        field = first_of_each(field, |entry| entry.hypothesis.name());
     }
     let noise = expected.distrusted(last);
-    let stages = field.into_par_iter().map(|Entry { hypothesis, score, model, .. }| {
+    let polished = |Entry { hypothesis, score, model, .. }: Entry<'_>| {
         let (origin, moved) = base.widened(hypothesis);
         let fit = refit::polish(&problem, &origin, &model, &moved, &expected, &noise)?;
         Ok((hypothesis.name(), score, Stage { fit, origin }))
-    });
+    };
+    let far = field.split_off(near.min(field.len()));
+    let mut stages = run_through(field.into_par_iter().map(polished));
+    // Where the best leaves only noise, what is far behind it at little trust is no rival.
+    let explains = |stage: &Stage| stage.fit.noise.times(&expected) < DOUBTFUL;
+    if !stages.iter().any(|(.., stage)| explains(stage)) {
+        stages.extend(run_through(far.into_par_iter().map(polished)));
+    }
     let mut tried = Vec::new();
-    for (name, score, stage) in run_through(stages) {
+    for (name, score, stage) in stages {
         let believed = search.believes(&stage.fit.model, problem.record);
         let gain = believed.then(|| gained(&base.fit, &stage.fit));
         search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
         tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
     }
     let best = tried.iter().map(|(contender, _)| contender.gain).fold(0.0, f64::max);
-    for (contender, stage) in &mut tried {
-        // What is near the best is compared where each gains nothing more.
-        if contender.gain >= NEAR * best {
-            let fit = stage.fit.clone();
-            stage.fit = refit::polish_on(&problem, &stage.origin, fit, &expected)?;
-            contender.gain = gained(&base.fit, &stage.fit);
-        }
-    }
+    // What is near the best is compared where each gains nothing more.
+    let near = tried.par_iter_mut().filter(|(contender, _)| contender.gain >= NEAR * best);
+    near.try_for_each(|(contender, stage)| {
+        let fit = stage.fit.clone();
+        stage.fit = refit::polish_on(&problem, &stage.origin, fit, &expected)?;
+        contender.gain = gained(&base.fit, &stage.fit);
+        Ok::<(), BuildError>(())
+    })?;
     tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
     conclude(problem, search, round, tried)
+}
+
+/// How many of a field, by what each costs, the best first, come near: it and its rival, and more that
+/// are no farther from it than half the worst.
+fn in_reach(costs: &[f64]) -> usize {
+    let [best, .., worst] = costs else { return costs.len() };
+    let most = best + (WITHIN * (worst - best)).max(WEAK);
+    costs.iter().filter(|cost| **cost < most).count().max(2)
 }
 
 /// The hypotheses that explain more than they would of any record, one for each name, best first.
@@ -142,4 +161,18 @@ fn ranked<'a>(test: &ScoreTest<'_>, hypotheses: &'a [Hypothesis]) -> Vec<(&'a Hy
     let least = SHARE * ranked.first().map_or(0.0, |(_, best)| *best);
     ranked.retain(|(_, score)| *score > least);
     first_of_each(ranked, |(hypothesis, _)| hypothesis.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_comes_near_is_the_best_its_rival_and_what_is_half_as_far_as_the_worst() {
+        assert_eq!(in_reach(&[-9e3, -4e3, -3e3, 0.0]), 2);
+        assert_eq!(in_reach(&[-9e3, -8e3, -7e3, 0.0]), 3);
+        assert_eq!(in_reach(&[-9e3, -8.9e3, -8.8e3, -8.75e3]), 4);
+        assert_eq!(in_reach(&[-9e3, -8e3, f64::NAN]), 2);
+        assert_eq!(in_reach(&[-9e3]), 1);
+    }
 }

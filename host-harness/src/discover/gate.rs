@@ -7,6 +7,7 @@
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel};
+use crate::estimate::refit::DOUBTFUL;
 use crate::estimate::twin::null_innovations;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
@@ -18,7 +19,7 @@ const DRIVE_EXCESS: f64 = 3.0;
 /// Most that the noise on the rotor may exceed what is expected: of a model to which effects were added,
 /// and of the plain one, which has no law of an effect that may be slightly other than the joint's.
 const TORQUE_EXCESS: f64 = 4.5;
-pub(super) const PLAIN_TORQUE_EXCESS: f64 = 2.2;
+pub(super) const PLAIN_TORQUE_EXCESS: f64 = DOUBTFUL;
 /// Twins that tell what a right model leaves.
 const TWINS: u64 = 6;
 /// Most that an autocorrelation may differ from the twins', beyond what theirs scatter: an encoder that

@@ -221,7 +221,7 @@ fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> 
         return Ok(());
     }
     let (model, moved, expected) = (&fit.model, &fit.coordinates, &search.expected);
-    let settled = match origin.stages.is_empty() {
+    let settled = match origin.stages.is_empty() || calm(&fit.noise, expected) {
         true => refit::polish(problem, origin, model, moved, expected, &fit.noise)?,
         false => refit::resettle(problem, origin, model, moved)?,
     };

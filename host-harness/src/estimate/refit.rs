@@ -38,8 +38,8 @@ const RUGGED: usize = 2;
 const ATTEMPTS: usize = 4;
 /// What another round must gain of minus twice the log-likelihood to be followed by one more.
 const WORTHWHILE: f64 = 10.0;
-/// Times the expected noise from which on a fit is doubted.
-const DOUBTFUL: f64 = 2.0;
+/// Times the expected noise from which on a fit is doubted: no right model needs more.
+pub const DOUBTFUL: f64 = 2.2;
 
 /// Refits every parameter of a model to a record; `origin` centres the priors.
 ///
