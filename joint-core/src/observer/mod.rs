@@ -24,6 +24,7 @@
 mod estimate;
 mod gains;
 mod health;
+mod look;
 mod turn;
 mod update;
 

@@ -1,0 +1,182 @@
+//! What an update believes of a sample.
+//!
+//! A drive's interrupt meets samples lost or repeated, encoders that jump, current sensors at their end
+//! and supplies that dip. What is no measurement is flagged and gives no innovation; a voltage that was
+//! not the one asked for is taken for what it is.
+
+use super::gains::{CHANNELS, Gains, Whiten};
+use super::health::Status;
+use super::turn::Turn;
+use super::{Observer, Sample, Track};
+use crate::effect::Effects;
+use crate::joint::State;
+use crate::scalar::Scalar;
+
+/// Surprises after which winding and magnets are no longer taken to be known: a dip under a drive that
+/// moves has dozens.
+const SURPRISES: u16 = 64;
+
+/// What an update sees of a sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Looked<S> {
+    pub(super) found: [S; CHANNELS],
+    pub(super) status: Status,
+    /// Whether no rotor angle was believed.
+    pub(super) blind: bool,
+}
+
+impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
+    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none to believe; and the flags that
+    /// go with them.
+    #[inline(always)]
+    pub(super) fn innovations(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Looked<S> {
+        let gains = &self.gains;
+        let [by_current, by_motor, by_output] = &gains.whiten;
+        let mut status = Status::OK;
+        let mut blind = true;
+        let mut found = [S::ZERO; CHANNELS];
+        let [current, motor, output] = &mut found;
+
+        let ahead = sample.motor.map(|turn| motor_ahead(&self.joint.effects, &track.state, turn));
+        match ahead {
+            Some(ahead) if ahead.abs() <= by_motor.gate => {
+                *motor = ahead.times(by_motor.per_sigma);
+                track.missed = 0;
+                track.doubts = 0;
+                blind = false;
+            }
+            Some(_) if repeats(sample, &track.last) => {
+                track.missed = track.missed.saturating_add(1);
+                return Looked { status: Status::REPEATED, blind: true, ..Looked::default() };
+            }
+            Some(_) => {
+                status = status.with(Status::GLITCH);
+                track.doubts = track.doubts.saturating_add(1);
+            }
+            None => {
+                status = status.with(Status::COASTING);
+                track.missed = track.missed.saturating_add(1);
+            }
+        }
+
+        if let Some(turn) = sample.output
+            && N > 0
+        {
+            let ahead =
+                output_ahead(&self.joint.effects, gains, self.joint.turns, &track.state, turn);
+            if ahead.abs() <= by_output.gate {
+                *output = ahead.times(by_output.per_sigma);
+                track.output_missed = 0;
+            } else {
+                status = status.with(Status::GLITCH);
+                track.output_missed = track.output_missed.saturating_add(1);
+            }
+        } else {
+            track.output_missed = track.output_missed.saturating_add(1);
+        }
+
+        if !self.joint.current_imposed {
+            match sample.current.map(|amperes| amperes.times(gains.per_ampere)) {
+                Some(measured) if measured.abs() < gains.most_current => {
+                    // Currents are those that give their torque with the model's flux.
+                    let measured = measured + measured * track.flux;
+                    let shown = self.joint.effects.measured_current(track.state.current);
+                    let ahead = measured - shown;
+                    let ahead = match ahead.abs() > gains.sudden {
+                        true => self.surprised(track, ahead),
+                        false => ahead,
+                    };
+                    *current = ahead.times(by_current.per_sigma);
+                }
+                _ => status = status.with(Status::NO_CURRENT),
+            }
+        }
+
+        // Four standard deviations.
+        let eighth = S::HALF * S::HALF * S::HALF;
+        if motor.abs() > eighth * S::HALF && repeats(sample, &track.last) {
+            return Looked { status: Status::REPEATED, ..Looked::default() };
+        }
+        Looked { found, status, blind }
+    }
+
+    /// A current that is off by more than the design has it: what there is to correct by.
+    ///
+    /// Until winding and magnets are known it is an error of theirs. Then, the second time, the drive
+    /// has put out another voltage than it was told, and that voltage takes all of it: a bus that
+    /// dips is neither a load nor a resistance.
+    #[cold]
+    #[inline(never)]
+    fn surprised(&self, track: &mut Track<S, N>, ahead: S) -> S {
+        let gains = &self.gains;
+        let second = track.sure == track.unsure;
+        track.sure = track.sure.saturating_sub(gains.sure / SURPRISES + 1);
+        if track.sure < gains.sure {
+            let [Whiten { gate, .. }, ..] = gains.whiten;
+            return if ahead.abs() > gate { at_bound(ahead, gate) } else { ahead };
+        }
+        let calm = self.calm(track);
+        track.energy = gains.most_energy;
+        track.unsure = if calm { track.sure } else { u16::MAX };
+        if calm {
+            return S::ZERO;
+        }
+        let ([missing, missing_twice], [push, push_twice]) = (gains.missing, gains.push);
+        let (missing, push) = if second { (missing_twice, push_twice) } else { (missing, push) };
+        let (before, State { current, rotor, .. }) = (track.bias, &mut track.state);
+        *current = *current + ahead;
+        rotor.speed = rotor.speed + ahead.times(push);
+        let bias = before + ahead.times(missing);
+        // What little is left of it is what the estimate was off: the dip is over.
+        track.bias = if bias.abs() < before.abs().eighth() { S::ZERO } else { bias };
+        S::ZERO
+    }
+
+    /// Whether no surprise was a short time ago.
+    #[inline(always)]
+    pub(super) fn calm(&self, track: &Track<S, N>) -> bool {
+        track.energy + track.energy <= self.gains.most_energy
+    }
+}
+
+/// Whether a sample shows the very same measurements as the one before.
+#[inline(always)]
+fn repeats<S: Scalar>(sample: &Sample<S>, last: &Sample<S>) -> bool {
+    sample.motor == last.motor && sample.output == last.output && sample.current == last.current
+}
+
+/// By how much the measured rotor angle is ahead of the estimated one, in turns.
+#[inline(always)]
+pub(super) fn motor_ahead<S: Scalar, const N: usize, E: Effects<S>>(
+    effects: &E,
+    state: &State<S, N>,
+    turn: Turn,
+) -> S {
+    let shown = state.angle.part + effects.encoder_error(false, state.angle, state.rotor.speed);
+    (S::from_turn_counts(turn.0 as i32) - shown).split_turns().1
+}
+
+/// By how much the measured output angle is ahead of the estimated one, in turns of the output.
+#[inline(always)]
+fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
+    effects: &E,
+    gains: &Gains<S, N>,
+    turns: S::Gain,
+    state: &State<S, N>,
+    turn: Turn,
+) -> S {
+    let wound = state.stages.iter().fold(S::ZERO, |sum, stage| sum + stage.deflection);
+    let part = (state.angle.part - wound.times(turns)).times(gains.shaft);
+    let speed = state.stages.last().map_or(S::ZERO, |stage| stage.mass.speed);
+    let angle = crate::angle::Angle { part, ..Default::default() };
+    let shown = part + effects.encoder_error(true, angle, speed);
+    let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
+    (beyond - shown).split_turns().1
+}
+
+/// The bound that a value is past.
+#[cold]
+#[inline(never)]
+pub(super) fn at_bound<S: Scalar>(value: S, most: S) -> S {
+    if value < S::ZERO { -most } else { most }
+}
