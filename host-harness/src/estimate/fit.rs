@@ -1,10 +1,8 @@
 //! Refitting: the parameters, and optionally some effects, that make the whitened innovations
 //! smallest, with a prior on each.
 //!
-//! Gauss–Newton with Levenberg's damping on frozen gains; the gains are designed anew at every
-//! accepted point. The first rounds trust the model little (large process noise), so that a model
-//! wrong by per cents is pulled in by every sample on its own; the last ones use the noise that the
-//! record itself shows.
+//! The first rounds trust the model little (large process noise), so that a model wrong by per cents is
+//! pulled in by every sample on its own; the last ones use the noise that the record itself shows.
 
 use std::borrow::Cow;
 
@@ -15,8 +13,6 @@ use super::coordinates::Coordinate;
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::keep::Likelihood;
 use super::record::{CHANNELS, Channel, Record};
-use super::slope::Slope;
-use crate::interrupt;
 use crate::model::Model;
 use crate::plant::{BuildError, plant};
 
@@ -24,9 +20,6 @@ use crate::plant::{BuildError, plant};
 /// is to be known, and where it is only to be compared.
 const WORTH: f64 = 0.3;
 const ROUGH: f64 = 5.0;
-/// Share of the sum of squares that a step must take for the joint to be linearised anew.
-const FAR: f64 = 0.1;
-
 /// A model fitted to a record.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -179,7 +172,7 @@ impl<'a> Problem<'a> {
     }
 
     /// A design along the linearisation of a model near it, or along one of its own, which is given too.
-    fn design_near(
+    pub(super) fn design_near(
         &self,
         near: Option<&Linearisation>,
         model: &Model,
@@ -290,134 +283,6 @@ impl<'a> Problem<'a> {
     ) -> Result<Fit, BuildError> {
         let along = &mut Cow::Owned(Linearisation::default());
         self.fit_from(Known { along, near: None }, origin, start, coordinates, noise, rounds)
-    }
-
-    /// The same with what is known at the start already.
-    ///
-    /// # Errors
-    /// The start cannot be built.
-    pub fn fit_from(
-        &self,
-        known: Known<'_, '_>,
-        origin: &Model,
-        start: &Model,
-        coordinates: &[Coordinate],
-        noise: &Noise,
-        rounds: usize,
-    ) -> Result<Fit, BuildError> {
-        let Known { along, near } = known;
-        let mut design = self.design_along(along, start, noise)?;
-        let mut linearised = true;
-        let mut model = start.clone();
-        let precision = DVector::from_iterator(
-            coordinates.len(),
-            coordinates.iter().map(|c| c.prior_sigma().powi(-2)),
-        );
-        let offset = |from: &Model, to: &Model| {
-            let distances = coordinates.iter().map(|c| c.distance(from, to));
-            DVector::from_iterator(coordinates.len(), distances)
-        };
-        let prior = |model: &Model| {
-            let at = offset(origin, model);
-            at.component_mul(&at).component_mul(&precision).sum()
-        };
-        let mut slope = near.map(|near| {
-            let residual = self.residual(&design.innovations);
-            let (known, new) = coordinates.split_at(near.ncols());
-            debug_assert!(known.len() == near.ncols());
-            let new = self.sensitivity(&model, &design.gains, new, Some(&residual));
-            let columns: Vec<_> = near.column_iter().chain(new.column_iter()).collect();
-            Slope::borrowed(DMatrix::from_columns(&columns))
-        });
-        let mut damping = 1e-3;
-        for _ in 0..rounds {
-            if interrupt::asked() {
-                break;
-            }
-            let residual = self.residual(&design.innovations);
-            let mut own = slope.take().filter(Slope::serves).unwrap_or_else(|| {
-                let here = Some(&residual);
-                Slope::fresh(self.sensitivity(&model, &design.gains, coordinates, here))
-            });
-            let at = offset(origin, &model);
-            let gradient = own.jacobian.tr_mul(&residual) + precision.component_mul(&at);
-            let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(&precision);
-            let before = self.sum_of_squares(&design.innovations) + prior(&model);
-            let likely = design.deviance + prior(&model);
-            let mut gained = 0.0;
-            // A derivative that is not of this place is replaced rather than damped.
-            for attempt in 0..if own.is_fresh() { 6 } else { 2 } {
-                let mut damped = curvature.clone();
-                for k in 0..coordinates.len() {
-                    damped[(k, k)] += damping * curvature[(k, k)];
-                }
-                let Some(step) = damped.cholesky().map(|c| -c.solve(&gradient)) else { break };
-                let mut moved = model.clone();
-                for (coordinate, step) in coordinates.iter().zip(step.iter()) {
-                    coordinate.shift(&mut moved, coordinate.limited(*step));
-                }
-                let step = offset(&model, &moved);
-                let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
-                let is_far = |gain: f64| self.cautious || gain > FAR * before;
-                // A second core designs at once what most steps come to.
-                let forecast = is_far(promised);
-                let (rows, ahead) = if attempt == 0 && rayon::current_num_threads() > 1 {
-                    let here = (!forecast).then_some(&**along);
-                    rayon::join(
-                        || self.innovations(&moved, &design.gains),
-                        || Some(self.design_near(here, &moved, noise)),
-                    )
-                } else {
-                    (self.innovations(&moved, &design.gains), None)
-                };
-                let rows = rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; self.record.len()]);
-                let after = self.sum_of_squares(&rows) + prior(&moved);
-                if after < before {
-                    // What frozen gains promise must hold for the filter designed at the new point.
-                    let far = is_far(before - after);
-                    let (new, made) = match ahead {
-                        Some(ahead) if far == forecast => ahead?,
-                        _ => self.design_near((!far).then_some(&**along), &moved, noise)?,
-                    };
-                    if let Some(made) = made {
-                        *along = Cow::Owned(made);
-                    }
-                    let found = new.deviance + prior(&moved);
-                    if found < likely || !self.cautious {
-                        let change = self.residual(&rows) - &residual;
-                        own.learn(
-                            &step,
-                            &change,
-                            &curvature.diagonal(),
-                            [promised, before - after],
-                        );
-                        (design, linearised) = (new, far);
-                        model = moved;
-                        gained = if self.cautious { likely - found } else { before - after };
-                        damping = (damping * 0.1).max(1e-9);
-                        break;
-                    }
-                }
-                damping *= 10.0;
-            }
-            if gained < self.worth && (own.is_fresh() || gained > 0.0) {
-                break;
-            }
-            slope = (gained > 0.0).then_some(own);
-        }
-        if !linearised {
-            *along = Cow::Owned(Linearisation::default());
-            design = self.design_along(along, &model, noise)?;
-        }
-        Ok(Fit {
-            prior: prior(&model),
-            model,
-            coordinates: coordinates.to_vec(),
-            noise: *noise,
-            gains: design.gains,
-            innovations: design.innovations,
-            deviance: design.deviance,
-        })
     }
 
     /// Inverse of the posterior's curvature at a fit: covariance of its coordinates.

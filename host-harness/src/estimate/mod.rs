@@ -9,6 +9,7 @@
 pub mod adjoint;
 pub mod coordinates;
 mod covariance;
+mod descent;
 pub mod filter;
 pub mod fit;
 pub mod gains;

@@ -1,0 +1,184 @@
+//! The descent of a fit: Gauss–Newton with Levenberg's damping on frozen gains, which are designed anew
+//! at every accepted point.
+//!
+//! A step is tried with the gains that are there, which costs one run; what it promises must hold for
+//! the filter designed at its end.
+
+use std::borrow::Cow;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::coordinates::Coordinate;
+use super::filter::{Linearisation, Noise};
+use super::fit::{Design, Fit, Known, Problem};
+use super::record::CHANNELS;
+use super::slope::Slope;
+use crate::interrupt;
+use crate::model::Model;
+use crate::plant::BuildError;
+
+/// Share of the sum of squares that a step must take for the joint to be linearised anew.
+const FAR: f64 = 0.1;
+/// Damping at the start, and the least.
+const DAMPING: [f64; 2] = [1e-3, 1e-9];
+/// Attempts with a derivative taken here, and with one that is not of this place: it is replaced rather
+/// than damped.
+const ATTEMPTS: [usize; 2] = [6, 2];
+
+/// What a fit makes smallest, and what it may move.
+struct Descent<'d> {
+    problem: &'d Problem<'d>,
+    origin: &'d Model,
+    coordinates: &'d [Coordinate],
+    noise: &'d Noise,
+    precision: DVector<f64>,
+}
+
+/// Where a descent stands.
+struct Place {
+    model: Model,
+    design: Design,
+    /// Whether the linearisation at hand is this model's own.
+    linearised: bool,
+    damping: f64,
+}
+
+impl Problem<'_> {
+    /// The same as [`Problem::fit`] with what is known at the start already.
+    ///
+    /// # Errors
+    /// The start cannot be built.
+    pub fn fit_from(
+        &self,
+        known: Known<'_, '_>,
+        origin: &Model,
+        start: &Model,
+        coordinates: &[Coordinate],
+        noise: &Noise,
+        rounds: usize,
+    ) -> Result<Fit, BuildError> {
+        let Known { along, near } = known;
+        let precision = coordinates.iter().map(|c| c.prior_sigma().powi(-2));
+        let precision = DVector::from_iterator(coordinates.len(), precision);
+        let descent = Descent { problem: self, origin, coordinates, noise, precision };
+        let design = self.design_along(along, start, noise)?;
+        let [damping, _] = DAMPING;
+        let mut at = Place { model: start.clone(), design, linearised: true, damping };
+        let mut slope = near.map(|near| descent.borrowed(near, &at));
+        for _ in 0..rounds {
+            if interrupt::asked() {
+                break;
+            }
+            let residual = self.residual(&at.design.innovations);
+            let mut own = slope.take().filter(Slope::serves).unwrap_or_else(|| {
+                let here = Some(&residual);
+                Slope::fresh(self.sensitivity(&at.model, &at.design.gains, coordinates, here))
+            });
+            let gained = descent.step(&mut at, along, &mut own, &residual)?;
+            if gained < self.worth && (own.is_fresh() || gained > 0.0) {
+                break;
+            }
+            slope = (gained > 0.0).then_some(own);
+        }
+        let Place { model, mut design, linearised, .. } = at;
+        if !linearised {
+            *along = Cow::Owned(Linearisation::default());
+            design = self.design_along(along, &model, noise)?;
+        }
+        Ok(Fit {
+            prior: descent.prior(&model),
+            model,
+            coordinates: coordinates.to_vec(),
+            noise: *noise,
+            gains: design.gains,
+            innovations: design.innovations,
+            deviance: design.deviance,
+        })
+    }
+}
+
+impl Descent<'_> {
+    fn offset(&self, from: &Model, to: &Model) -> DVector<f64> {
+        let distances = self.coordinates.iter().map(|c| c.distance(from, to));
+        DVector::from_iterator(self.coordinates.len(), distances)
+    }
+
+    fn prior(&self, model: &Model) -> f64 {
+        let at = self.offset(self.origin, model);
+        at.component_mul(&at).component_mul(&self.precision).sum()
+    }
+
+    /// The derivative of a near model with the first coordinates, and this place's own with the others.
+    fn borrowed(&self, near: &DMatrix<f64>, at: &Place) -> Slope {
+        let residual = self.problem.residual(&at.design.innovations);
+        let (known, new) = self.coordinates.split_at(near.ncols());
+        debug_assert!(known.len() == near.ncols());
+        let new = self.problem.sensitivity(&at.model, &at.design.gains, new, Some(&residual));
+        let columns: Vec<_> = near.column_iter().chain(new.column_iter()).collect();
+        Slope::borrowed(DMatrix::from_columns(&columns))
+    }
+
+    /// One step, as far as it helps; what it gained, and nothing where none helped.
+    fn step(
+        &self,
+        at: &mut Place,
+        along: &mut Cow<'_, Linearisation>,
+        own: &mut Slope,
+        residual: &DVector<f64>,
+    ) -> Result<f64, BuildError> {
+        let (problem, precision) = (self.problem, &self.precision);
+        let off = self.offset(self.origin, &at.model);
+        let gradient = own.jacobian.tr_mul(residual) + precision.component_mul(&off);
+        let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(precision);
+        let before = problem.sum_of_squares(&at.design.innovations) + self.prior(&at.model);
+        let likely = at.design.deviance + self.prior(&at.model);
+        let [here, elsewhere] = ATTEMPTS;
+        for attempt in 0..if own.is_fresh() { here } else { elsewhere } {
+            let mut damped = curvature.clone();
+            for k in 0..self.coordinates.len() {
+                damped[(k, k)] += at.damping * curvature[(k, k)];
+            }
+            let Some(step) = damped.cholesky().map(|c| -c.solve(&gradient)) else { break };
+            let mut moved = at.model.clone();
+            for (coordinate, step) in self.coordinates.iter().zip(step.iter()) {
+                coordinate.shift(&mut moved, coordinate.limited(*step));
+            }
+            let step = self.offset(&at.model, &moved);
+            let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
+            let is_far = |gain: f64| problem.cautious || gain > FAR * before;
+            // A second core designs at once what most steps come to.
+            let forecast = is_far(promised);
+            let frozen = || problem.innovations(&moved, &at.design.gains);
+            let (rows, ahead) = if attempt == 0 && rayon::current_num_threads() > 1 {
+                let near = (!forecast).then_some(&**along);
+                rayon::join(frozen, || Some(problem.design_near(near, &moved, self.noise)))
+            } else {
+                (frozen(), None)
+            };
+            let rows = rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; problem.record.len()]);
+            let after = problem.sum_of_squares(&rows) + self.prior(&moved);
+            if after < before {
+                // What frozen gains promise must hold for the filter designed at the new point.
+                let far = is_far(before - after);
+                let (design, made) = match ahead {
+                    Some(ahead) if far == forecast => ahead?,
+                    _ => problem.design_near((!far).then_some(&**along), &moved, self.noise)?,
+                };
+                let found = design.deviance + self.prior(&moved);
+                if found < likely || !problem.cautious {
+                    if let Some(made) = made {
+                        *along = Cow::Owned(made);
+                    }
+                    let change = problem.residual(&rows) - residual;
+                    let kept = [promised, before - after];
+                    own.learn(&step, &change, &curvature.diagonal(), kept);
+                    let damping = (at.damping * 0.1).max(DAMPING[1]);
+                    *at = Place { model: moved, design, linearised: far, damping };
+                    return Ok(if problem.cautious { likely - found } else { before - after });
+                }
+            }
+            at.damping *= 10.0;
+        }
+        Ok(0.0)
+    }
+}
