@@ -13,7 +13,7 @@ use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::protected::{conclude, gained};
-use super::score_test::{Gain, ScoreTest};
+use super::score_test::ScoreTest;
 use super::search::{Contender, LEAST_GAIN, Search, Stage, WEAK, title};
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Known, Problem};
@@ -79,7 +79,7 @@ pub(super) fn add_annealed(
     let mut rankings: Vec<_> = tests
         .iter()
         .zip(&proposed)
-        .map(|(test, hypotheses)| ranked(test, hypotheses).into_iter())
+        .map(|(test, hypotheses)| worth_fitting(test, hypotheses).into_iter())
         .collect();
     let mut field: Vec<Entry<'_>> = Vec::new();
     while rankings.iter().any(|ranked| ranked.len() > 0) {
@@ -149,18 +149,16 @@ fn in_reach(costs: &[f64]) -> usize {
 }
 
 /// The hypotheses that explain more than they would of any record, one for each name, best first.
-fn ranked<'a>(test: &ScoreTest<'_>, hypotheses: &'a [Hypothesis]) -> Vec<(&'a Hypothesis, f64)> {
-    let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
-    let mut ranked: Vec<(&Hypothesis, f64)> = hypotheses
-        .iter()
-        .zip(&gains)
-        .filter(|(_, gain)| gain.real > LEAST_GAIN * gain.luck())
-        .map(|(hypothesis, gain)| (hypothesis, gain.real))
-        .collect();
-    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let least = SHARE * ranked.first().map_or(0.0, |(_, best)| *best);
-    ranked.retain(|(_, score)| *score > least);
-    first_of_each(ranked, |(hypothesis, _)| hypothesis.name())
+fn worth_fitting<'a>(
+    test: &ScoreTest<'_>,
+    hypotheses: &'a [Hypothesis],
+) -> Vec<(&'a Hypothesis, f64)> {
+    let mut ranked = test.ranked(hypotheses);
+    ranked.retain(|(_, gain)| gain.real > LEAST_GAIN * gain.luck());
+    let least = SHARE * ranked.first().map_or(0.0, |(_, best)| best.real);
+    ranked.retain(|(_, gain)| gain.real > least);
+    let best = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
+    best.into_iter().map(|(hypothesis, gain)| (hypothesis, gain.real)).collect()
 }
 
 #[cfg(test)]

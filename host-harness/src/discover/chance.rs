@@ -3,11 +3,10 @@
 use super::score_test::Gain;
 use super::search::LEAST_GAIN;
 
-/// The orders that are worth telling, strongest first.
-pub(super) fn told(lines: &[(f64, Gain)], gains: &[Gain], by_chance: f64) -> Vec<f64> {
+/// The orders that are worth telling, strongest first; `best` is the best hypothesis' score.
+pub(super) fn told(lines: &[(f64, Gain)], best: f64, by_chance: f64) -> Vec<f64> {
     let strongest = lines.iter().map(|(_, gain)| gain.real).fold(0.0, f64::max);
     // Lines only count where they rival the best hypothesis: every effect has some order.
-    let best = gains.iter().map(|gain| gain.real).fold(0.0, f64::max);
     if strongest <= 0.3 * best {
         return Vec::new();
     }

@@ -63,22 +63,19 @@ pub fn add_protected(
     };
     let scene = Scene::new(&protected.model, problem.record, &test);
     let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
-    let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
-    let least = threshold(gains.iter()).max(LEAST_GAIN);
-    let mut ranked: Vec<(&Hypothesis, f64)> =
-        hypotheses.iter().zip(gains.iter().map(|gain| gain.real)).collect();
-    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-    ranked.retain(|(_, gain)| *gain > least);
+    let mut ranked = test.ranked(&hypotheses);
+    let least = threshold(ranked.iter().map(|(_, gain)| gain)).max(LEAST_GAIN);
+    ranked.retain(|(_, gain)| gain.real > least);
     let mut promising = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
     promising.truncate(FITTED);
-    let beside_push = |(hypothesis, score): (&Hypothesis, f64)| {
+    let beside_push = |(hypothesis, score): (&Hypothesis, Gain)| {
         let (origin, coordinates) = base.widened(hypothesis);
         let start = hypothesis.added(&protected.model);
         let near = Some(test.jacobian());
         let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
         let fit = beside.fit_from(known, &origin, &start, &coordinates, &wary, 5)?;
         let gain = cost(protected) - cost(&fit);
-        Ok((hypothesis.name(), score, gain, Stage { fit, origin }))
+        Ok((hypothesis.name(), score.real, gain, Stage { fit, origin }))
     };
     let mut fitted = run_through(promising.into_par_iter().map(beside_push));
     let strongest = fitted.iter().map(|(.., gain, _)| *gain).fold(0.0, f64::max);

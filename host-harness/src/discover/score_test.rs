@@ -127,6 +127,14 @@ impl<'a> ScoreTest<'a> {
         Residual { values, nuisance }
     }
 
+    /// What each hypothesis would take, the best first.
+    pub fn ranked<'h>(&self, hypotheses: &'h [Hypothesis]) -> Vec<(&'h Hypothesis, Gain)> {
+        let scored = hypotheses.par_iter().map(|hypothesis| (hypothesis, self.gain(hypothesis)));
+        let mut ranked: Vec<_> = scored.collect();
+        ranked.sort_by(|a, b| b.1.real.total_cmp(&a.1.real));
+        ranked
+    }
+
     /// What the hypothesis would take after one linear step of everything.
     pub fn gain(&self, hypothesis: &Hypothesis) -> Gain {
         self.checked_gain(hypothesis).unwrap_or_default()

@@ -322,19 +322,19 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     };
     let scene = Scene::new(&base.fit.model, problem.record, &test);
     let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
-    let gains: Vec<Gain> = hypotheses.par_iter().map(|h| test.gain(h)).collect();
+    let ranked = test.ranked(&hypotheses);
     let listed = candidates::listed(&scene);
     let lines: Vec<(f64, Gain)> =
         listed.par_iter().map(|line| (line.start.values[0], test.gain(line))).collect();
-    let by_chance = threshold(gains.iter().chain(lines.iter().map(|(_, gain)| gain)));
+    let own = ranked.iter().map(|(_, gain)| gain);
+    let by_chance = threshold(own.chain(lines.iter().map(|(_, gain)| gain)));
     let least = by_chance.max(LEAST_GAIN);
     search.scores.retain(|row| row.round != round);
     if round == 1 {
-        search.orders = told(&lines, &gains, by_chance);
+        let best = ranked.first().map_or(0.0, |(_, gain)| gain.real.max(0.0));
+        search.orders = told(&lines, best, by_chance);
     }
     search.chance.push(least);
-    let mut ranked: Vec<(&Hypothesis, &Gain)> = hypotheses.iter().zip(&gains).collect();
-    ranked.sort_by(|a, b| b.1.real.total_cmp(&a.1.real));
     let best_of_name = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
     for (hypothesis, gain) in &best_of_name {
         let name = title(hypothesis.name());
