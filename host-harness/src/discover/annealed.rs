@@ -16,7 +16,7 @@ use super::protected::{conclude, gained};
 use super::score_test::ScoreTest;
 use super::search::{Contender, LEAST_GAIN, Search, Stage, WEAK, title};
 use crate::estimate::filter::Linearisation;
-use crate::estimate::fit::{Known, Problem};
+use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::refit::{self, DOUBTFUL, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
@@ -76,20 +76,10 @@ pub(super) fn add_annealed(
             candidates::proposed(&scene, &search.withdrawn)
         })
         .collect();
-    let mut rankings: Vec<_> = tests
-        .iter()
-        .zip(&proposed)
-        .map(|(test, hypotheses)| worth_fitting(test, hypotheses).into_iter())
-        .collect();
-    let mut field: Vec<Entry<'_>> = Vec::new();
-    while rankings.iter().any(|ranked| ranked.len() > 0) {
-        for (test, ranked) in rankings.iter_mut().enumerate() {
-            field.extend(ranked.next().map(|(hypothesis, score)| {
-                let model = hypothesis.added(&starts[test].model);
-                Entry { hypothesis, score, model, test }
-            }));
-        }
-    }
+    let mut field = field(&tests, &starts, &proposed);
+    let mut scored: Vec<_> = field.iter().map(|e| (e.hypothesis.name(), e.score)).collect();
+    scored.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let scored = first_of_each(scored, |(name, _)| *name);
     let mut near = 0;
     for (distrust, most, rounds) in TRUST {
         field.truncate(most);
@@ -127,6 +117,12 @@ pub(super) fn add_annealed(
         search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
         tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
     }
+    for (name, score) in scored {
+        let row = ScoreRow { round, name: title(name), score, refitted: None };
+        if !search.scores.iter().any(|known| known.round == round && known.name == row.name) {
+            search.scores.push(row);
+        }
+    }
     let best = tried.iter().map(|(contender, _)| contender.gain).fold(0.0, f64::max);
     // What is near the best is compared where each gains nothing more.
     let near = tried.par_iter_mut().filter(|(contender, _)| contender.gain >= NEAR * best);
@@ -138,6 +134,29 @@ pub(super) fn add_annealed(
     })?;
     tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
     conclude(problem, search, round, tried)
+}
+
+/// The names worth fitting, the best of every start by turns.
+fn field<'h>(
+    tests: &[ScoreTest<'_>],
+    starts: &[Fit],
+    proposed: &'h [Vec<Hypothesis>],
+) -> Vec<Entry<'h>> {
+    let mut rankings: Vec<_> = tests
+        .iter()
+        .zip(proposed)
+        .map(|(test, hypotheses)| worth_fitting(test, hypotheses).into_iter())
+        .collect();
+    let mut field = Vec::new();
+    while rankings.iter().any(|ranked| ranked.len() > 0) {
+        for (test, ranked) in rankings.iter_mut().enumerate() {
+            field.extend(ranked.next().map(|(hypothesis, score)| {
+                let model = hypothesis.added(&starts[test].model);
+                Entry { hypothesis, score, model, test }
+            }));
+        }
+    }
+    field
 }
 
 /// How many of a field, by what each costs, the best first, come near: it and its rival, and more that
