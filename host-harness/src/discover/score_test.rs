@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::hypothesis::Hypothesis;
 use crate::estimate::adjoint::Pull;
+use crate::estimate::coordinates::precision;
 use crate::estimate::filter::{Linearisation, Observer};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::twin::null_innovations;
@@ -64,11 +65,9 @@ impl<'a> ScoreTest<'a> {
     /// Of a fitted model, with that many twins; `None` if its curvature is not positive.
     pub fn new(problem: Problem<'a>, origin: &'a Model, base: &'a Fit, twins: u64) -> Option<Self> {
         let jacobian = problem.sensitivity(&base.model, &base.gains, &base.coordinates, None);
-        let rows = base.coordinates.iter();
-        let count = base.coordinates.len();
-        let precision =
-            DVector::from_iterator(count, rows.clone().map(|c| c.prior_sigma().powi(-2)));
-        let offset = DVector::from_iterator(count, rows.map(|c| c.distance(origin, &base.model)));
+        let precision = precision(&base.coordinates);
+        let offset = base.coordinates.iter().map(|c| c.distance(origin, &base.model));
+        let offset = DVector::from_iterator(base.coordinates.len(), offset);
         let curvature = jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision);
         let curvature = curvature.cholesky()?;
         let nulls: Vec<_> = (0..twins)

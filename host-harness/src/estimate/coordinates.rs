@@ -1,5 +1,7 @@
 //! What a fit moves: parameters of the joint, and the sizes of effects.
 
+use nalgebra::DVector;
+
 use super::parameters::Quantity;
 use crate::model::Model;
 
@@ -33,6 +35,12 @@ pub enum Coordinate {
         /// One sigma of the prior.
         sigma: f64,
     },
+}
+
+/// One over the square of each coordinate's prior sigma.
+pub fn precision(coordinates: &[Coordinate]) -> DVector<f64> {
+    let precision = coordinates.iter().map(|c| c.prior_sigma().powi(-2));
+    DVector::from_iterator(coordinates.len(), precision)
 }
 
 impl Coordinate {

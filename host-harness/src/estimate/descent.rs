@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::coordinates::Coordinate;
+use super::coordinates::{Coordinate, precision};
 use super::filter::{Linearisation, Noise};
 use super::fit::{Design, Fit, Known, Problem};
 use super::record::CHANNELS;
@@ -58,8 +58,7 @@ impl Problem<'_> {
         rounds: usize,
     ) -> Result<Fit, BuildError> {
         let Known { along, near } = known;
-        let precision = coordinates.iter().map(|c| c.prior_sigma().powi(-2));
-        let precision = DVector::from_iterator(coordinates.len(), precision);
+        let precision = precision(coordinates);
         let descent = Descent { problem: self, origin, coordinates, noise, precision };
         let design = self.design_along(along, start, noise)?;
         let [damping, _] = DAMPING;

@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::coordinates::Coordinate;
+use super::coordinates::{Coordinate, precision};
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::keep::Likelihood;
 use super::record::{CHANNELS, Channel, Record};
@@ -288,10 +288,9 @@ impl<'a> Problem<'a> {
     /// Inverse of the posterior's curvature at a fit: covariance of its coordinates.
     pub fn covariance(&self, fit: &Fit) -> DMatrix<f64> {
         let jacobian = self.sensitivity(&fit.model, &fit.gains, &fit.coordinates, None);
-        let precision = fit.coordinates.iter().map(|c| c.prior_sigma().powi(-2));
+        let precision = DMatrix::from_diagonal(&precision(&fit.coordinates));
+        let curvature = jacobian.tr_mul(&jacobian) + precision;
         let count = fit.coordinates.len();
-        let precision = DVector::from_iterator(count, precision);
-        let curvature = jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision);
         curvature.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse())
     }
 }
