@@ -28,3 +28,4 @@ pub mod simulated;
 pub mod synthetic;
 pub mod tangent;
 pub mod verb;
+mod wide;

@@ -66,4 +66,5 @@ pub mod range;
 pub mod scalar;
 mod step;
 pub mod telemetry;
+pub mod work;
 pub mod worm;

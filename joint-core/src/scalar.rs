@@ -11,6 +11,8 @@ mod floats;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
+use crate::work::Work;
+
 /// What travels in a parameter block. Without the feature `serde` it asks for nothing.
 #[cfg(feature = "serde")]
 pub trait Wire: serde::Serialize + serde::de::DeserializeOwned {}
@@ -224,6 +226,12 @@ pub trait Scalar:
 
     /// Whether the number stands at the end of its range, or is none.
     fn is_at_limit(self) -> bool;
+
+    /// Does work in such numbers: those of many lanes choose the widest registers at hand.
+    #[inline(always)]
+    fn widely<W: Work>(work: W) -> W::Output {
+        work.run()
+    }
 
     /// Hyperbolic tangent; absolute error that of [`Scalar::exp_minus`].
     #[inline]

@@ -12,6 +12,7 @@ use crate::effect::{Effects, Felt, Flow, Memory, Motion, Relaxation, Rubbing, Wi
 use crate::friction::{Friction, Half, Turn};
 use crate::joint::{IMPLICIT, Input, Joint, Mass, StageState, State};
 use crate::scalar::Scalar;
+use crate::work::{MicroStep, Refresh};
 
 /// Most masses that what effects remember may follow.
 const MOST_MASSES: usize = 9;
@@ -81,6 +82,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// loaded before the loop, spilled, and loaded again.
     #[inline(never)]
     fn micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
+        S::widely(MicroStep { joint: self, state, input });
+    }
+
+    #[inline(always)]
+    pub(crate) fn micro_step_here(&self, state: &mut State<S, N>, input: Input<S>) {
         self.load(state, input);
         let began = Each::of(state, |mass| mass.force);
         self.kick::<0>(state, input, state.angle, &began);
@@ -118,6 +124,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// from outside.
     #[inline(never)]
     pub fn refresh(&self, state: &mut State<S, N>) {
+        S::widely(Refresh { joint: self, state });
+    }
+
+    #[inline(always)]
+    pub(crate) fn refresh_here(&self, state: &mut State<S, N>) {
         let (rotor, stages) = self.levels(state, state.angle);
         self.rotor.settle(&mut state.rotor, rotor);
         for ((stage, own), level) in state.stages.iter_mut().zip(&self.stages).zip(stages) {

@@ -15,6 +15,7 @@ use crate::estimate::adjoint::Pull;
 use crate::estimate::coordinates::precision;
 use crate::estimate::filter::{Linearisation, Observer};
 use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::gram::gram;
 use crate::estimate::twin::null_innovations;
 use crate::model::Model;
 use crate::plant::plant;
@@ -68,7 +69,7 @@ impl<'a> ScoreTest<'a> {
         let precision = precision(&base.coordinates);
         let offset = base.coordinates.iter().map(|c| c.distance(origin, &base.model));
         let offset = DVector::from_iterator(base.coordinates.len(), offset);
-        let curvature = jacobian.tr_mul(&jacobian) + DMatrix::from_diagonal(&precision);
+        let curvature = gram(&jacobian) + DMatrix::from_diagonal(&precision);
         let curvature = curvature.cholesky()?;
         let nulls: Vec<_> = (0..twins)
             .into_par_iter()
@@ -147,14 +148,19 @@ impl<'a> ScoreTest<'a> {
             let rows = self.problem.residual(&rows);
             rows.iter().all(|e| e.is_finite()).then_some(rows)
         };
-        let here = &self.residuals.first()?.values;
-        let start = if hypothesis.starts_at_nothing() { here.clone() } else { run(&model)? };
+        let (real, twins) = self.residuals.split_first()?;
+        // From a finite start, the start's own innovations take the place of the base model's.
+        let finite = match hypothesis.starts_at_nothing() {
+            true => None,
+            false => Some(self.prepared(run(&model)?, true)),
+        };
+        let from = finite.as_ref().unwrap_or(real);
         let mut columns = Vec::with_capacity(coordinates.len());
         for coordinate in &coordinates {
             let step = coordinate.difference_step();
             let mut moved = model.clone();
             coordinate.shift(&mut moved, step);
-            columns.push((run(&moved)? - &start) / step);
+            columns.push((run(&moved)? - &from.values) / step);
         }
         if columns.is_empty() {
             return None;
@@ -171,14 +177,11 @@ impl<'a> ScoreTest<'a> {
             let left = own.tr_mul(&residual.values) - cross.tr_mul(&solved);
             left.dot(&schur.solve(&left))
         };
-        let (real, twins) = self.residuals.split_first()?;
-        // From a finite start, the start's own innovations take the place of the base model's.
-        let from = self.prepared(start, true);
         let cost = |residual: &Residual| {
             residual.values.norm_squared()
                 - residual.nuisance.dot(&self.curvature.solve(&residual.nuisance))
         };
-        let gain = cost(real) - cost(&from) + explained(&from);
+        let gain = cost(real) - cost(from) + explained(from);
         Some(Gain {
             real: if gain.is_finite() { gain } else { 0.0 },
             null: twins.iter().map(explained).collect(),

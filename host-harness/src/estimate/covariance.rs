@@ -3,6 +3,10 @@
 //! A design does this at every sample, and it is most of what a design costs. So the number of states
 //! is known to the compiler here, up to what a joint of three stages has.
 
+use joint_core::work::Work;
+
+use crate::wide;
+
 /// Does with an order as a constant what is written for it, or what is written for all others.
 macro_rules! of_order {
     ($order:expr, $n:ident => $known:expr, $other:expr) => {
@@ -65,7 +69,8 @@ impl Covariance {
 
     /// Carries it over an interval: `F P Fᵀ`, with `F` by rows.
     pub(super) fn carry(&mut self, transition: &[f64]) {
-        of_order!(self.order, N => carry::<N>(transition, &mut self.rows), self.carry_any(transition));
+        let rows = &mut self.rows;
+        of_order!(self.order, N => wide::run(Carry::<N>(transition, rows)), self.carry_any(transition));
     }
 
     fn carry_any(&mut self, transition: &[f64]) {
@@ -134,31 +139,38 @@ fn product(order: usize, left: &[f64], right: &[f64], out: &mut [f64]) {
     }
 }
 
-fn carry<const N: usize>(transition: &[f64], all: &mut [f64]) {
-    let (transition, rows) = (transition.as_chunks::<N>().0, all.as_chunks_mut::<N>().0);
-    let mut across = [[0.0; N]; N];
-    for (i, row) in transition.iter().enumerate() {
-        for (across, value) in across.iter_mut().zip(row) {
-            across[i] = *value;
-        }
-    }
-    let row_times = |left: &[f64; N], right: &[[f64; N]]| {
-        let mut sum = [0.0; N];
-        for (left, right) in left.iter().zip(right) {
-            for (sum, right) in sum.iter_mut().zip(right) {
-                *sum += left * right;
+struct Carry<'a, const N: usize>(&'a [f64], &'a mut [f64]);
+
+impl<const N: usize> Work for Carry<'_, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self(transition, all) = self;
+        let (transition, rows) = (transition.as_chunks::<N>().0, all.as_chunks_mut::<N>().0);
+        let mut across = [[0.0; N]; N];
+        for (i, row) in transition.iter().enumerate() {
+            for (across, value) in across.iter_mut().zip(row) {
+                across[i] = *value;
             }
         }
-        sum
-    };
-    let mut half = [[0.0; N]; N];
-    for (half, row) in half.iter_mut().zip(transition) {
-        *half = row_times(row, rows);
+        let row_times = |left: &[f64; N], right: &[[f64; N]]| {
+            let mut sum = [0.0; N];
+            for (left, right) in left.iter().zip(right) {
+                for (sum, right) in sum.iter_mut().zip(right) {
+                    *sum += left * right;
+                }
+            }
+            sum
+        };
+        let mut half = [[0.0; N]; N];
+        for (half, row) in half.iter_mut().zip(transition) {
+            *half = row_times(row, rows);
+        }
+        for (row, half) in rows.iter_mut().zip(&half) {
+            *row = row_times(half, &across);
+        }
+        mirror(N, all);
     }
-    for (row, half) in rows.iter_mut().zip(&half) {
-        *row = row_times(half, &across);
-    }
-    mirror(N, all);
 }
 
 #[cfg(test)]

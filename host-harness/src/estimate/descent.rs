@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use super::coordinates::{Coordinate, precision};
 use super::filter::{Linearisation, Noise};
 use super::fit::{Design, Fit, Known, Problem};
+use super::gram::gram;
 use super::record::CHANNELS;
 use super::slope::Slope;
 use crate::interrupt;
@@ -128,7 +129,7 @@ impl Descent<'_> {
         let (problem, precision) = (self.problem, &self.precision);
         let off = self.offset(self.origin, &at.model);
         let gradient = own.jacobian.tr_mul(residual) + precision.component_mul(&off);
-        let curvature = own.jacobian.tr_mul(&own.jacobian) + DMatrix::from_diagonal(precision);
+        let curvature = gram(&own.jacobian) + DMatrix::from_diagonal(precision);
         let before = problem.sum_of_squares(&at.design.innovations) + self.prior(&at.model);
         let likely = at.design.deviance + self.prior(&at.model);
         let [here, elsewhere] = ATTEMPTS;

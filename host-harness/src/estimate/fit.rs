@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::coordinates::{Coordinate, precision};
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
+use super::gram::gram;
 use super::keep::Likelihood;
 use super::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
@@ -289,7 +290,7 @@ impl<'a> Problem<'a> {
     pub fn covariance(&self, fit: &Fit) -> DMatrix<f64> {
         let jacobian = self.sensitivity(&fit.model, &fit.gains, &fit.coordinates, None);
         let precision = DMatrix::from_diagonal(&precision(&fit.coordinates));
-        let curvature = jacobian.tr_mul(&jacobian) + precision;
+        let curvature = gram(&jacobian) + precision;
         let count = fit.coordinates.len();
         curvature.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse())
     }

@@ -13,6 +13,7 @@ mod descent;
 pub mod filter;
 pub mod fit;
 pub mod gains;
+pub(crate) mod gram;
 mod keep;
 pub mod late;
 pub mod noise;

@@ -9,8 +9,11 @@ use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use joint_core::scalar::Scalar;
+use joint_core::work::Work;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeTupleStruct, Serializer};
+
+use crate::wide;
 
 /// Derivatives that are carried at once, at most.
 pub const LANES: usize = 16;
@@ -244,6 +247,10 @@ impl<const L: usize> Scalar for Dual<L> {
     #[inline(always)]
     fn is_at_limit(self) -> bool {
         !self.value.is_finite()
+    }
+    #[inline(always)]
+    fn widely<W: Work>(work: W) -> W::Output {
+        wide::run(work)
     }
 }
 
