@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
@@ -23,8 +24,12 @@ const RATES: [f64; 3] = [1.0, 10.0, 100.0];
 /// Equations beside whose push the parameters are refitted, and rounds of that refit.
 const REFITTED: usize = 4;
 const ROUNDS: usize = 3;
-/// Bins of a coordinate.
+/// Bins of a coordinate, and the highest order that bins of a turn can show.
 const BINS: usize = 48;
+const SHOWN: f64 = 6.0;
+
+/// The rotor's angle within a turn.
+const TURN: &str = "motor_angle_rad (one turn)";
 
 /// The disagreement of one model with a record.
 #[derive(Default)]
@@ -72,8 +77,8 @@ pub fn locate(
     let (explained, varies_with, shape) = match best {
         Some((share, name, shape)) if !along_lines => (share, name.to_owned(), shape),
         Some((_, _, shape)) => {
-            let turn = coordinates.iter().find(|(name, _)| *name == "motor_angle_rad (one turn)");
-            let own = turn.and_then(|(name, v)| binned(name, v, &series, &series_after));
+            let (name, values) = folded(&run, orders);
+            let own = binned(&name, &values, &series, &series_after);
             (lines, "motor_angle_rad".to_owned(), own.map_or(shape, |(_, shape)| shape))
         }
         None => (0.0, String::new(), Shape::default()),
@@ -216,10 +221,7 @@ fn coordinates(problem: &Problem<'_>, model: &Model, run: &Run) -> Vec<(&'static
         Drive::Current => problem.record.drive_values[k],
     };
     let mut all = vec![
-        (
-            "motor_angle_rad (one turn)",
-            series(&|_, x| x[Layout::ANGLE].rem_euclid(std::f64::consts::TAU)),
-        ),
+        (TURN, series(&|_, x| x[Layout::ANGLE].rem_euclid(TAU))),
         ("motor_angle_rad (over the travel)", series(&|_, x| x[Layout::ANGLE])),
         ("motor_speed_rad_per_s", series(&|_, x| x[layout.speed(0)])),
         ("i_a", series(&|k, x| current(k, x))),
@@ -233,6 +235,20 @@ fn coordinates(problem: &Problem<'_>, model: &Model, run: &Run) -> Vec<(&'static
         all.push(("output_windup_rad", series(&|_, x| x[windup] * shaft)));
     }
     all
+}
+
+/// The rotor's angle within a turn; within a period of the strongest order where bins of a turn would
+/// blur it: a high one, or one that does not close with the turn.
+fn folded(run: &Run, orders: &[f64]) -> (String, Vec<f64>) {
+    let own = orders.first().filter(|order| **order > SHOWN || order.fract() != 0.0);
+    let within = |span: f64| run.states.iter().map(|x| x[Layout::ANGLE].rem_euclid(span)).collect();
+    match own {
+        None => (TURN.to_owned(), within(TAU)),
+        Some(order) => {
+            let shown = (100.0 * order).round() / 100.0;
+            (format!("motor_angle_rad (one of {shown} periods a turn)"), within(TAU / order))
+        }
+    }
 }
 
 /// Means of a series by bins of a coordinate, and the share of its variance that they explain.
@@ -290,4 +306,27 @@ fn explained_by_lines(problem: &Problem<'_>, series: &[f64], orders: &[f64]) -> 
         })
         .sum();
     if variance > 0.0 { (explained / variance).min(1.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(order: f64) -> Shape {
+        let angles: Vec<f64> = (0..4000).map(|k| f64::from(k) * 0.01).collect();
+        let push: Vec<f64> = angles.iter().map(|angle| (order * angle).sin()).collect();
+        let states = angles.iter().map(|angle| vec![0.0, *angle, 0.0, 0.0]).collect();
+        let run = Run { innovations: Vec::new(), states };
+        let (name, values) = folded(&run, &[order]);
+        binned(&name, &values, &push, &push).unwrap().1
+    }
+
+    #[test]
+    fn a_line_of_any_order_shows_its_whole_height() {
+        for order in [1.0, 6.0, 7.0, 66.0, 3.09, 400.5] {
+            let shape = shown(order);
+            let height = shape.before.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            assert!(height > 0.8, "{order}: {height}, over {}", shape.coordinate);
+        }
+    }
 }
