@@ -14,6 +14,7 @@ use joint_core::params::Location;
 use nalgebra::DMatrix;
 
 use super::confidence::{SEPARATION, confidence};
+use super::constant::ask_constant;
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
 use super::finer::ask_finer;
@@ -105,6 +106,9 @@ pub fn discover_without(
         }
     }
     let problem = Problem::new(&record, &fitted);
+    if !interrupt::asked() {
+        ask_constant(&problem, &mut found)?;
+    }
 
     bar.set_message("where they disagree");
     let (before, after) = (&found.before.fit, &found.after.fit);
@@ -128,14 +132,16 @@ pub fn discover_without(
     let floor = Remainder::of(&problem, &judged, &found.expected, &tested)?;
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
     let complaints = remainder.complaints(found.rounds.is_empty());
-    let answer = match (found.rounds.is_empty(), complaints.is_empty()) {
+    let contradicted = found.constant.is_some_and(|constant| constant.contradicts());
+    let clean = complaints.is_empty() && !contradicted;
+    let answer = match (found.rounds.is_empty(), clean) {
         (true, true) if interrupt::asked() => Answer::Unknown,
         (true, true) => Answer::Adequate,
         (false, true) => Answer::Effect,
         (_, false) => Answer::Unknown,
     };
     let covariance = problem.covariance(after);
-    let effects = named(&found, nominal.effects.len(), complaints.is_empty(), &covariance);
+    let effects = named(&found, nominal.effects.len(), clean, &covariance);
     let close = found.rounds.first().and_then(|round| {
         let rival = round.rivals.first()?;
         (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
@@ -297,7 +303,9 @@ fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>
     effects
         .zip(&found.rounds)
         .map(|((number, effect), round)| {
-            let (confidence, rivals) = confidence(round, clean);
+            let other = found.constant.filter(|_| round.name.0 == Kind::Gravity);
+            let other = other.map(|constant| constant.gain);
+            let (confidence, rivals) = confidence(round, clean, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
             Named {
                 kind: effect.kind.spec().kind.to_owned(),
@@ -425,6 +433,7 @@ fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) ->
             }
         })
         .collect();
+    all.extend(found.constant.map(|constant| constant.told()));
     all.extend(
         found.contradictions.iter().map(|(_, text)| format!("fits, but is contradicted: {text}")),
     );

@@ -15,10 +15,11 @@ const UNLISTED: f64 = 0.02;
 
 /// How sure a name is, and the others that were refitted: its likelihood against theirs and against
 /// that of something unlisted, which is as likely as the name where the gate complains (`clean` is
-/// false); less where another draw of the log would have had another winner.
-pub(super) fn confidence(round: &Round, clean: bool) -> (f64, Vec<Rival>) {
+/// false); less where another draw of the log would have had another winner. `other` is what something
+/// unlisted explains in the name's place, where that was tried.
+pub(super) fn confidence(round: &Round, clean: bool, other: Option<f64>) -> (f64, Vec<Rival>) {
     let odds = |gain: f64| (-(round.gain - gain).max(0.0) / (2.0 * SEPARATION)).exp();
-    let unlisted = if clean { UNLISTED.max(odds(0.0)) } else { 1.0 };
+    let unlisted = if clean { UNLISTED.max(odds(other.unwrap_or(0.0))) } else { 1.0 };
     let total = 1.0 + unlisted + round.rivals.iter().map(|rival| odds(rival.gain)).sum::<f64>();
     let rivals = round
         .rivals
@@ -42,9 +43,19 @@ mod tests {
     use super::*;
 
     fn of(gain: f64, rival: Option<f64>, stays_ahead: f64, clean: bool) -> f64 {
+        beside(gain, rival, stays_ahead, clean, None)
+    }
+
+    fn beside(
+        gain: f64,
+        rival: Option<f64>,
+        stays_ahead: f64,
+        clean: bool,
+        other: Option<f64>,
+    ) -> f64 {
         let name = (Kind::Cogging, Location::Motor);
         let rivals = rival.map(|gain| Contender { name, gain }).into_iter().collect();
-        confidence(&Round { name, gain, rivals, runner_up: None, stays_ahead }, clean).0
+        confidence(&Round { name, gain, rivals, runner_up: None, stays_ahead }, clean, other).0
     }
 
     #[test]
@@ -54,5 +65,13 @@ mod tests {
         assert!(of(80.0, None, 1.0, true) < 0.9);
         assert!((of(5000.0, None, 1.0, false) - 0.5).abs() < 1e-3);
         assert!((of(5000.0, None, 0.6, true) - 0.6 * 0.98).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_is_on_no_list_takes_its_share_where_it_was_tried() {
+        let beside = |other: f64| beside(5000.0, None, 1.0, true, Some(other));
+        assert!((beside(5000.0) - 0.5).abs() < 1e-3 && (beside(5100.0) - 0.5).abs() < 1e-3);
+        assert!((0.6..0.95).contains(&beside(4950.0)));
+        assert!((beside(4000.0) - 0.98).abs() < 1e-3);
     }
 }

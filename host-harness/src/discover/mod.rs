@@ -9,6 +9,7 @@ pub mod candidates;
 mod chance;
 pub mod comb;
 mod confidence;
+mod constant;
 mod contradiction;
 pub mod experiment;
 pub mod findings;

@@ -18,12 +18,13 @@ use crate::plant::BuildError;
 /// Share of all that was explained which an effect is not suspected of owing to its company.
 const MOST: f64 = 0.5;
 
-/// Drops effects, the first added first, that the others have made needless, or only those that a
-/// channel contradicts at the size that they have got by now.
+/// Drops effects, the first added first, that the others have made needless, and those that a channel
+/// contradicts at the size that they have got by now; of the first only `weak` ones if that is all that is
+/// asked.
 pub(super) fn drop_needless(
     problem: Problem<'_>,
     search: &mut Search,
-    contradicted: bool,
+    weak: bool,
 ) -> Result<(), BuildError> {
     let mut k = 0;
     while k < search.rounds.len() {
@@ -33,8 +34,8 @@ pub(super) fn drop_needless(
             last.effects.push(own);
             contradiction(&last, problem.record)
         };
-        let sure = search.rounds.len() == 1 && search.rounds[k].gain >= WEAK;
-        if against.is_none() && (contradicted || sure) {
+        let sure = (search.rounds.len() == 1 || weak) && search.rounds[k].gain >= WEAK;
+        if against.is_none() && sure {
             k += 1;
             continue;
         }

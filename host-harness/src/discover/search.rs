@@ -16,6 +16,7 @@ use super::annealed::add_annealed;
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
 use super::chance::{threshold, told};
+use super::constant::Constant;
 use super::findings::ScoreRow;
 use super::fork::{Second, try_fork};
 use super::gate::PLAIN_TORQUE_EXCESS;
@@ -126,6 +127,8 @@ pub struct Search {
     pub withdrawn: Vec<Kind>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
+    /// What a constant torque explains where gravity is named.
+    pub constant: Option<Constant>,
     /// What the fit cost whose springs were settled last.
     settled: Option<f64>,
     /// The best of the weak names that no unseen sample bears out.
@@ -147,6 +150,7 @@ impl Search {
             contradictions: Vec::new(),
             withdrawn: withdrawn.to_vec(),
             expected,
+            constant: None,
             settled: None,
             hope: None,
             second: None,
@@ -182,10 +186,13 @@ pub fn search(
         bar.set_message("refitting from elsewhere");
         let Stage { fit, origin } = &search.after;
         let again = refit::converge(&last, origin, fit.clone(), &search.expected)?;
-        if cost(fit) - cost(&again) > LEAST_GAIN {
+        let gained = cost(fit) - cost(&again);
+        if gained > 0.0 {
             let found = Stage { fit: again, origin: origin.clone() };
             search.before = found.clone();
             search.after = found;
+        }
+        if gained > LEAST_GAIN {
             search.hope = None;
             look(last, &mut search, bar)?;
         }
@@ -207,7 +214,7 @@ pub fn search(
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
         settle(&last, &mut search)?;
-        drop_needless(problem, &mut search, true)?;
+        drop_needless(last, &mut search, true)?;
     }
     bar.inc(1);
     Ok(search)

@@ -16,8 +16,8 @@ pub const SPEC: Spec = Spec {
     kind: "cogging",
     locations: &[Location::Motor],
     parameters: &[
-        // Periods per turn of the rotor.
-        ParameterSpec { key: "order", default: None, low: 0.01, high: 1e5 },
+        // Periods per turn of the rotor; at the lowest a constant, all but for ever.
+        ParameterSpec { key: "order", default: None, low: 1e-4, high: 1e5 },
         ParameterSpec { key: "amplitude_nm", default: None, low: -1e9, high: 1e9 },
         ParameterSpec { key: "phase_rad", default: Some(0.0), low: -1e3, high: 1e3 },
         // The double order's share.
