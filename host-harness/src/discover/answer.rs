@@ -148,7 +148,9 @@ pub fn discover_without(
     });
     let names: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
     let equation = disagreement.whereabouts.equation.clone();
-    let mut next_experiment = advice(answer, &names, close, blind(nominal, &record), &equation);
+    let constant = found.constant.is_some_and(|constant| constant.undecided());
+    let unseen = blind(nominal, &record);
+    let mut next_experiment = advice(answer, &names, close, unseen, constant, &equation);
     bar.set_message("what to measure next");
     let experiment = decisive(&found, &record, micro_steps, answer)?;
     if let Some(experiment) = &experiment {

@@ -42,12 +42,17 @@ impl Constant {
         self.lead >= 0.0
     }
 
+    /// Whether the record leaves it open which of the two it is.
+    pub fn undecided(&self) -> bool {
+        self.lead > -LEAST_GAIN
+    }
+
     /// What it says of gravity, in a sentence.
     pub fn told(&self) -> String {
-        let Self { gain, lead, torque_nm } = self;
+        let Self { gain, torque_nm, .. } = self;
         let says = match () {
             () if self.contradicts() => "nothing shows that the pull changes with the angle",
-            () if *lead > -LEAST_GAIN => "the travel hardly tells them apart",
+            () if self.undecided() => "the travel hardly tells them apart",
             () => "the pull is seen to change with the angle",
         };
         format!(
@@ -169,7 +174,7 @@ mod tests {
         let constant = search.constant.unwrap();
         assert!(search.rounds[0].gain > 300.0, "{}", search.rounds[0].gain);
         assert!(constant.lead < -0.5 * search.rounds[0].gain, "{constant:?}");
-        assert!(!constant.contradicts() && constant.told().contains("seen to change"));
+        assert!(!constant.undecided() && constant.told().contains("seen to change"));
         assert!(search.rounds[0].stays_ahead > 0.9);
     }
 
@@ -182,7 +187,7 @@ mod tests {
         let search = asked(line, 1.8);
         let constant = search.constant.unwrap();
         assert!(search.rounds[0].gain > 300.0, "{}", search.rounds[0].gain);
-        assert!(constant.contradicts(), "{constant:?}");
+        assert!(constant.contradicts() && constant.undecided(), "{constant:?}");
         assert!((constant.torque_nm / -TORQUE_NM - 1.0).abs() < 0.05, "{constant:?}");
         let rival = search.rounds[0].runner_up.as_ref().unwrap();
         assert_eq!(rival.fit.model.effects[0].kind, Kind::Cogging);

@@ -5,14 +5,19 @@ use joint_core::params::Location;
 
 use super::findings::Answer;
 
-/// Advice in a sentence; `blind` where there are stages that no sensor looks behind.
+/// Advice in a sentence; `blind` where there are stages that no sensor looks behind, `constant` where a
+/// constant torque explains what gravity does.
 pub fn advice(
     answer: Answer,
     names: &[(Kind, Location)],
     close_rival: Option<(Kind, Location)>,
     blind: bool,
+    constant: bool,
     equation: &str,
 ) -> String {
+    if let (true, Some((Kind::Gravity, _))) = (constant, names.first()) {
+        return format!("gravity or a constant torque: {}", separating(Kind::Gravity));
+    }
     if let (Some(name), Some(rival)) = (names.first(), close_rival) {
         return format!(
             "{} or {}: {}",
@@ -56,5 +61,22 @@ fn separating(kind: Kind) -> &'static str {
             "drive and brake at constant speed against two loads, in both directions"
         }
         _ => "repeat slowly in both directions and at two loads",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_short_travel_leaves_open_is_asked_of_a_longer_one() {
+        let names = [(Kind::Gravity, Location::Output), (Kind::Cogging, Location::Motor)];
+        let asked = |names: &[_], constant: bool| {
+            advice(Answer::Unknown, names, None, false, constant, "rotor torque")
+        };
+        let open = asked(&names, true);
+        assert!(open.contains("gravity or a constant torque") && open.contains("full output turn"));
+        assert!(asked(&names[1..], true).contains("the rotor torque equation"));
+        assert!(asked(&names, false).contains("the rotor torque equation"));
     }
 }
