@@ -306,7 +306,7 @@ fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>
         .zip(&found.rounds)
         .map(|((number, effect), round)| {
             let other = found.constant.filter(|_| round.name.0 == Kind::Gravity);
-            let other = other.map(|constant| constant.gain);
+            let other = other.map(|constant| round.gain + constant.lead);
             let (confidence, rivals) = confidence(round, clean, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
             Named {
@@ -435,7 +435,8 @@ fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) ->
             }
         })
         .collect();
-    all.extend(found.constant.map(|constant| constant.told()));
+    let gravity = found.rounds.iter().find(|round| round.name.0 == Kind::Gravity);
+    all.extend(found.constant.zip(gravity).map(|(constant, gravity)| constant.told(gravity.gain)));
     all.extend(
         found.contradictions.iter().map(|(_, text)| format!("fits, but is contradicted: {text}")),
     );

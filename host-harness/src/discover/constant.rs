@@ -28,9 +28,7 @@ const SIGMA: f64 = 100.0;
 /// What a constant torque explains in gravity's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constant {
-    /// What it takes from minus twice the log-likelihood where gravity takes its round's gain.
-    pub gain: f64,
-    /// The same, less what gravity takes.
+    /// What it takes from minus twice the log-likelihood, less what gravity takes.
     pub lead: f64,
     /// Its torque on the rotor, Nm.
     pub torque_nm: f64,
@@ -47,9 +45,10 @@ impl Constant {
         self.lead > -LEAST_GAIN
     }
 
-    /// What it says of gravity, in a sentence.
-    pub fn told(&self) -> String {
-        let Self { gain, torque_nm, .. } = self;
+    /// What it says of gravity, in a sentence; `gravity` is what that takes.
+    pub fn told(&self, gravity: f64) -> String {
+        let Self { lead, torque_nm } = self;
+        let gain = gravity + lead;
         let says = match () {
             () if self.contradicts() => "nothing shows that the pull changes with the angle",
             () if self.undecided() => "the travel hardly tells them apart",
@@ -67,21 +66,19 @@ impl Constant {
 /// # Errors
 /// The model cannot be built.
 pub(super) fn ask_constant(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
-    search.constant = None;
     let hangs = |round: &Round| round.name.0 == Kind::Gravity;
     let Some(k) = search.rounds.iter().position(hangs) else { return Ok(()) };
     let stage = instead(problem, &search.after, search.place(k), search)?;
     let after = &search.after.fit;
     let lead = cost(after) - cost(&stage.fit);
-    let gain = search.rounds[k].gain + lead;
     let torque_nm = stage.fit.model.effects[search.place(k)].values[AMPLITUDE];
     let ahead = stays_ahead(after, &[&stage.fit], problem.mask);
     let round = &mut search.rounds[k];
-    if round.rivals.first().is_none_or(|rival| rival.gain < gain) {
+    if round.rivals.first().is_none_or(|rival| rival.gain < round.gain + lead) {
         round.runner_up = Some(stage);
         round.stays_ahead = round.stays_ahead.min(ahead);
     }
-    search.constant = Some(Constant { gain, lead, torque_nm });
+    search.constant = Some(Constant { lead, torque_nm });
     Ok(())
 }
 
@@ -174,7 +171,7 @@ mod tests {
         let constant = search.constant.unwrap();
         assert!(search.rounds[0].gain > 300.0, "{}", search.rounds[0].gain);
         assert!(constant.lead < -0.5 * search.rounds[0].gain, "{constant:?}");
-        assert!(!constant.undecided() && constant.told().contains("seen to change"));
+        assert!(!constant.undecided() && constant.told(0.0).contains("seen to change"));
         assert!(search.rounds[0].stays_ahead > 0.9);
     }
 
