@@ -110,7 +110,7 @@ pub fn discover_without(
         ask_constant(&problem, &mut found)?;
     }
 
-    bar.set_message("where they disagree");
+    bar.set_message("where they disagree, and what to measure next");
     let (before, after) = (&found.before.fit, &found.after.fit);
     // Where nothing was found, the gap is counted in noise that is believable, not in noise that
     // hides what is missing.
@@ -118,16 +118,14 @@ pub fn discover_without(
         true => believable(&after.noise, &found.expected),
         false => after.noise,
     };
-    let innovations_before = problem.design(&before.model, &noise)?.innovations;
-    let innovations_after = problem.design(&after.model, &noise)?.innovations;
+    let run = |fit: &Fit| problem.design(&fit.model, &noise);
+    let (run_before, run_after) = rayon::join(|| run(before), || run(after));
+    let [innovations_before, innovations_after] = [run_before?.innovations, run_after?.innovations];
     let orders = orders(&found);
     let first = found.rounds.first().map(|round| round.name.0);
     let along_lines = !found.orders.is_empty() || first == Some(Kind::Cogging);
     // Noise that swallows what is missing would leave no equation to blame for it.
     let calm = believable(&noise, &found.expected);
-    let disagreement = locate(&problem, &found.before, &after.model, &calm, &orders, along_lines)?;
-    bar.inc(1);
-
     let judged = Fit { noise, ..after.clone() };
     let floor = Remainder::of(&problem, &judged, &found.expected, &tested)?;
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
@@ -140,6 +138,12 @@ pub fn discover_without(
         (false, true) => Answer::Effect,
         (_, false) => Answer::Unknown,
     };
+    let (disagreement, experiment) = rayon::join(
+        || locate(&problem, &found.before, &after.model, &calm, &orders, along_lines),
+        || decisive(&found, &record, micro_steps, answer),
+    );
+    let (disagreement, experiment) = (disagreement?, experiment?);
+    bar.inc(1);
     let covariance = problem.covariance(after);
     let effects = named(&found, nominal.effects.len(), clean, &covariance);
     let close = found.rounds.first().and_then(|round| {
@@ -151,8 +155,6 @@ pub fn discover_without(
     let constant = found.constant.is_some_and(|constant| constant.undecided());
     let unseen = blind(nominal, &record);
     let mut next_experiment = advice(answer, &names, close, unseen, constant, &equation);
-    bar.set_message("what to measure next");
-    let experiment = decisive(&found, &record, micro_steps, answer)?;
     if let Some(experiment) = &experiment {
         next_experiment += &told(experiment);
     }

@@ -5,6 +5,7 @@ mod annealed;
 pub mod answer;
 mod belief;
 mod bootstrap;
+mod borne_out;
 pub mod candidates;
 mod chance;
 pub mod comb;

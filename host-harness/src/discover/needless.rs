@@ -6,8 +6,9 @@ use joint_core::effect::Kind;
 use joint_core::joint::Drive;
 
 use super::belief::possible;
+use super::borne_out::holds;
 use super::contradiction::contradiction;
-use super::search::{LEAST_GAIN, Search, Stage, WEAK, holds};
+use super::search::{LEAST_GAIN, Search, Stage, WEAK};
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::parameters::Quantity;

@@ -11,6 +11,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use super::bootstrap::stays_ahead;
+use super::borne_out::{holds, owes_most};
 use super::candidates::{self, Scene};
 use super::chance::threshold;
 use super::comb::{self, comb};
@@ -20,7 +21,7 @@ use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
     Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
-    bared, calm, holds, title,
+    bared, calm, title,
 };
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -166,7 +167,8 @@ pub(super) fn conclude(
     if owed > 0.0 && search.rounds.is_empty() {
         search.before = plain.clone();
     }
-    if winner.gain - owed < LEAST_GAIN {
+    let own = winner.gain - owed;
+    if own < LEAST_GAIN || owes_most(own, owed) {
         search.after = plain;
         return if owed < WORTH_ANOTHER { Ok(false) } else { add_settled(problem, search, round) };
     }
@@ -174,10 +176,10 @@ pub(super) fn conclude(
     let (rivals, mut beaten): (Vec<_>, Vec<_>) =
         tried.map(|(rival, stage)| (less(rival), stage)).unzip();
     let runner_up = (!beaten.is_empty()).then(|| beaten.swap_remove(0));
-    let gain = winner.gain - owed;
     let others: Vec<&Fit> = runner_up.iter().map(|stage| &stage.fit).chain([&plain.fit]).collect();
     let stays_ahead = stays_ahead(&stage.fit, &others, problem.mask);
-    search.rounds.push(Round { name: winner.name, gain, rivals, runner_up, stays_ahead });
+    let name = winner.name;
+    search.rounds.push(Round { name, gain: own, rivals, runner_up, stays_ahead });
     search.after = stage;
     Ok(true)
 }

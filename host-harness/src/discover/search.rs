@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::annealed::add_annealed;
 use super::bootstrap::stays_ahead;
+use super::borne_out::{holds, owes_most};
 use super::candidates::{self, Scene};
 use super::chance::{threshold, told};
 use super::constant::Constant;
@@ -376,12 +377,15 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         let fit = refit::polish(&problem, &origin, &model, &coordinates, &expected, &noise)?;
         Ok((hypothesis, Stage { fit, origin }))
     });
-    let mut full: Vec<(&Hypothesis, Stage)> = run_through(full);
+    // The base gets the same last refinement of its noise as its challengers have.
+    let refined = || {
+        let noise = noise::refine(&problem, &base.fit.model, &expected, &base.fit.noise)?;
+        Ok::<_, BuildError>((noise, problem.design(&base.fit.model, &noise)?.deviance))
+    };
+    let (mut full, refined) = rayon::join(|| run_through(full), refined);
+    let (noise, deviance) = refined?;
     full.retain(|(_, stage)| search.believes(&stage.fit.model, problem.record));
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
-    // The base gets the same last refinement of its noise as its challengers had.
-    let noise = noise::refine(&problem, &base.fit.model, &search.expected, &base.fit.noise)?;
-    let deviance = problem.design(&base.fit.model, &noise)?.deviance;
     let level = (deviance + base.fit.prior).min(cost(&base.fit));
     let contenders: Vec<Contender> = full
         .iter()
@@ -412,7 +416,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         if search.rounds.is_empty() {
             search.before = plain.clone();
         }
-        if winner < least {
+        if winner < least || owes_most(winner, owed) {
             search.after = plain;
             return Ok(if owed < WORTH_ANOTHER { Look::Nothing } else { Look::BetterBase });
         }
@@ -440,35 +444,22 @@ pub fn bared(
 ) -> Result<Stage, BuildError> {
     let start = without(&won.fit.model, base.fit.model.effects.len());
     let (moved, noise) = (&base.fit.coordinates, &won.fit.noise);
-    let mut fit = refit::polish(problem, &base.origin, &start, moved, expected, noise)?;
+    let origin = &base.origin;
     // A name that is large is not owed to a hollow.
     let small = base.fit.noise.times(expected) <= LOST || !base.fit.model.effects.is_empty();
-    let rugged = !base.origin.stages.is_empty();
-    if rugged && small && cost(&fit) - cost(&won.fit) > LEAST_GAIN {
-        let again = refit::cooled(problem, &base.origin, &base.fit, expected)?;
-        if cost(&again) < cost(&fit) {
-            fit = again;
-        }
+    let rugged = !origin.stages.is_empty();
+    let (fit, again) = rayon::join(
+        || refit::polish(problem, origin, &start, moved, expected, noise),
+        || (rugged && small).then(|| refit::cooled(problem, origin, &base.fit, expected)),
+    );
+    let mut fit = fit?;
+    if cost(&fit) - cost(&won.fit) > LEAST_GAIN
+        && let Some(again) = again.transpose()?
+        && cost(&again) < cost(&fit)
+    {
+        fit = again;
     }
     Ok(Stage { fit, origin: base.origin.clone() })
-}
-
-/// Whether what a fit has more than another, the simpler one, is borne out: by noise that is as expected
-/// where the simpler one needs more than any right model, or by samples that none has seen, if it makes them
-/// likelier.
-pub fn holds(
-    problem: Problem<'_>,
-    simpler: &Fit,
-    fit: &Fit,
-    expected: &Noise,
-) -> Result<bool, BuildError> {
-    if simpler.noise.times(expected) > PLAIN_TORQUE_EXCESS && calm(&fit.noise, expected) {
-        return Ok(true);
-    }
-    let unseen: Vec<f64> = problem.mask.iter().map(|seen| 1.0 - seen).collect();
-    let unseen = Problem { mask: &unseen, ..problem };
-    let deviance = |fit: &Fit| unseen.design(&fit.model, &fit.noise).map(|run| run.deviance);
-    Ok(deviance(fit)? <= deviance(simpler)?)
 }
 
 /// A name as it is shown.
