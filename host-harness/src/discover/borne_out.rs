@@ -8,10 +8,16 @@ use crate::estimate::fit::{Fit, Problem};
 use crate::model::Model;
 use crate::plant::BuildError;
 
-/// Whether a weak name owes more of what it gained to a better fit of all the rest than to itself: then it
-/// is to be asked for beside that fit, and its rivals as well.
-pub(super) fn owes_most(own: f64, owed: f64) -> bool {
-    own < WEAK && owed > own
+/// Whether of a strong name a better fit of all the rest leaves a weak one, whose own gain is borne out by
+/// nothing: then that fit is the base that names are to be asked for beside.
+pub(super) fn owed_to_the_rest(
+    problem: Problem<'_>,
+    simpler: &Fit,
+    fit: &Fit,
+    [gain, own]: [f64; 2],
+    expected: &Noise,
+) -> Result<bool, BuildError> {
+    Ok(gain >= WEAK && own < WEAK && !holds(problem, simpler, fit, expected)?)
 }
 
 /// Whether what a fit has more than another, the simpler one, is borne out: by noise that is as expected
@@ -47,13 +53,6 @@ mod tests {
     use crate::estimate::noise;
     use crate::estimate::record::Record;
 
-    #[test]
-    fn only_a_weak_name_can_owe_most_of_its_gain() {
-        assert!(owes_most(200.0, 3000.0));
-        assert!(!owes_most(200.0, 150.0));
-        assert!(!owes_most(400.0, 3000.0));
-    }
-
     /// Share of its noise that a fit is made to claim.
     const SHARE: f64 = 0.1;
 
@@ -83,8 +82,14 @@ mod tests {
         };
         assert!(own(&proud) > own(&simpler), "{} {}", own(&proud), own(&simpler));
         assert!(holds(problem, &simpler, &proud, &expected).unwrap());
+        let owed = |fit: &Fit, gains: [f64; 2]| {
+            owed_to_the_rest(problem, &simpler, fit, gains, &expected).unwrap()
+        };
+        assert!(!owed(&proud, [2.0 * WEAK, 0.5 * WEAK]));
         let wrong = Fit { model: flipped(&proud.model), ..proud };
         assert!(!holds(problem, &simpler, &wrong, &expected).unwrap());
+        assert!(owed(&wrong, [2.0 * WEAK, 0.5 * WEAK]));
+        assert!(!owed(&wrong, [3.0 * WEAK, 2.0 * WEAK]));
     }
 
     /// The same line the other way round.

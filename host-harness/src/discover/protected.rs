@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use super::bootstrap::stays_ahead;
-use super::borne_out::{holds, owes_most};
+use super::borne_out::{holds, owed_to_the_rest};
 use super::candidates::{self, Scene};
 use super::chance::threshold;
 use super::comb::{self, comb};
@@ -168,7 +168,8 @@ pub(super) fn conclude(
         search.before = plain.clone();
     }
     let own = winner.gain - owed;
-    if own < LEAST_GAIN || owes_most(own, owed) {
+    let gains = [winner.gain, own];
+    if own < LEAST_GAIN || owed_to_the_rest(problem, &plain.fit, &stage.fit, gains, &expected)? {
         search.after = plain;
         return if owed < WORTH_ANOTHER { Ok(false) } else { add_settled(problem, search, round) };
     }

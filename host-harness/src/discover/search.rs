@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::annealed::add_annealed;
 use super::bootstrap::stays_ahead;
-use super::borne_out::{holds, owes_most};
+use super::borne_out::{holds, owed_to_the_rest};
 use super::candidates::{self, Scene};
 use super::chance::{threshold, told};
 use super::constant::Constant;
@@ -411,12 +411,16 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     }
     let plain = bared(&problem, &base, &won, &search.expected)?;
     let owed = (level - cost(&plain.fit)).max(0.0);
-    let (winner, rivals) = (winner.gain - owed, rivals.to_vec());
+    let (gain, rivals) = (winner.gain, rivals.to_vec());
+    let winner = gain - owed;
     if owed > 0.0 {
         if search.rounds.is_empty() {
             search.before = plain.clone();
         }
-        if winner < least || owes_most(winner, owed) {
+        let gains = [gain, winner];
+        if winner < least
+            || owed_to_the_rest(problem, &plain.fit, &won.fit, gains, &search.expected)?
+        {
             search.after = plain;
             return Ok(if owed < WORTH_ANOTHER { Look::Nothing } else { Look::BetterBase });
         }
