@@ -129,9 +129,12 @@ pub fn discover_without(
     let judged = Fit { noise, ..after.clone() };
     let floor = Remainder::of(&problem, &judged, &found.expected, &tested)?;
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
+    if gap.floor > 0.0 {
+        remainder.unseen = gap.after / gap.floor;
+    }
     let complaints = remainder.complaints(found.rounds.is_empty());
-    let contradicted = found.constant.is_some_and(|constant| constant.contradicts());
-    let clean = complaints.is_empty() && !contradicted;
+    let constant = found.constant.is_some_and(|constant| constant.undecided());
+    let clean = complaints.is_empty() && !constant;
     let answer = match (found.rounds.is_empty(), clean) {
         (true, true) if interrupt::asked() => Answer::Unknown,
         (true, true) => Answer::Adequate,
@@ -152,7 +155,6 @@ pub fn discover_without(
     });
     let names: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
     let equation = disagreement.whereabouts.equation.clone();
-    let constant = found.constant.is_some_and(|constant| constant.undecided());
     let unseen = blind(nominal, &record);
     let mut next_experiment = advice(answer, &names, close, unseen, constant, &equation);
     if let Some(experiment) = &experiment {

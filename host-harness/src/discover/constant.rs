@@ -35,12 +35,8 @@ pub struct Constant {
 }
 
 impl Constant {
-    /// Whether gravity cannot be named beside it: nothing that the record shows is gravity's own.
-    pub fn contradicts(&self) -> bool {
-        self.lead >= 0.0
-    }
-
-    /// Whether the record leaves it open which of the two it is.
+    /// Whether gravity cannot be named beside it: what the record shows of gravity's own is less than a
+    /// name must explain.
     pub fn undecided(&self) -> bool {
         self.lead > -LEAST_GAIN
     }
@@ -50,7 +46,7 @@ impl Constant {
         let Self { lead, torque_nm } = self;
         let gain = gravity + lead;
         let says = match () {
-            () if self.contradicts() => "nothing shows that the pull changes with the angle",
+            () if self.lead >= 0.0 => "nothing shows that the pull changes with the angle",
             () if self.undecided() => "the travel hardly tells them apart",
             () => "the pull is seen to change with the angle",
         };
@@ -184,7 +180,7 @@ mod tests {
         let search = asked(line, 1.8);
         let constant = search.constant.unwrap();
         assert!(search.rounds[0].gain > 300.0, "{}", search.rounds[0].gain);
-        assert!(constant.contradicts() && constant.undecided(), "{constant:?}");
+        assert!(constant.lead >= 0.0 && constant.undecided(), "{constant:?}");
         assert!((constant.torque_nm / -TORQUE_NM - 1.0).abs() < 0.05, "{constant:?}");
         let rival = search.rounds[0].runner_up.as_ref().unwrap();
         assert_eq!(rival.fit.model.effects[0].kind, Kind::Cogging);

@@ -29,6 +29,8 @@ const COLOUR: f64 = 0.1;
 const SCATTER: f64 = 2.0;
 /// Most that a channel's variance may differ from the twins', relative.
 const VARIANCE: f64 = 0.15;
+/// Most that the errors on samples which no fit has seen may exceed a twin's, as RMS.
+const UNSEEN: f64 = 1.25;
 /// Most that an innovation counts for, in sigmas.
 const BEYOND: f64 = 1e6;
 /// Lags looked at.
@@ -49,6 +51,9 @@ pub struct Remainder {
     pub floor: [f64; CHANNELS],
     /// The same over all channels.
     pub floor_all: f64,
+    /// RMS of the innovations over a twin's on samples that no fit has seen; zero where nobody asked.
+    #[serde(default)]
+    pub unseen: f64,
 }
 
 impl Remainder {
@@ -111,6 +116,12 @@ impl Remainder {
             all.push(format!(
                 "it needs {:.1} times the noise on the rotor torque that is expected",
                 self.torque
+            ));
+        }
+        if self.unseen > UNSEEN {
+            all.push(format!(
+                "on samples that no fit has seen the prediction errors are {:.2} times a twin's",
+                self.unseen
             ));
         }
         for channel in Channel::ALL {
@@ -179,6 +190,15 @@ mod tests {
         };
         assert_eq!([complaints(1.6, true), complaints(3.0, true)], [0, 1]);
         assert_eq!([complaints(3.0, false), complaints(5.0, false)], [0, 1]);
+    }
+
+    #[test]
+    fn what_fails_where_no_fit_has_looked_is_not_noise() {
+        let left =
+            |unseen: f64| Remainder { drive: 1.0, torque: 1.0, unseen, ..Remainder::default() };
+        assert!([0.0, 1.0, 1.1].iter().all(|unseen| left(*unseen).complaints(false).is_empty()));
+        let complaints = left(6.6).complaints(false);
+        assert!(complaints.len() == 1 && complaints[0].contains("6.60 times a twin's"));
     }
 
     #[test]
