@@ -30,7 +30,7 @@ const SCATTER: f64 = 2.0;
 /// Most that a channel's variance may differ from the twins', relative.
 const VARIANCE: f64 = 0.15;
 /// Most that the errors on samples which no fit has seen may exceed a twin's, as RMS.
-const UNSEEN: f64 = 1.25;
+const UNSEEN: f64 = 1.15;
 /// Most that an innovation counts for, in sigmas.
 const BEYOND: f64 = 1e6;
 /// Lags looked at.
