@@ -131,6 +131,13 @@ mod tests {
     use super::*;
     use crate::estimate::noise;
 
+    #[test]
+    fn gravity_has_to_explain_something_beside_a_constant() {
+        let undecided = |lead: f64| Constant { lead, torque_nm: 1.0 }.undecided();
+        let near = 0.9 * LEAST_GAIN;
+        assert_eq!([near, -near, -2.0 * near].map(undecided), [true, true, false]);
+    }
+
     /// What a constant explains of a motor's log in which this is hidden and gravity is named.
     fn asked(hidden: EffectParameters, volts: f64) -> Search {
         let nominal = trial::motor();

@@ -40,11 +40,12 @@ pub(super) fn drop_needless(
             k += 1;
             continue;
         }
+        let least = search.least_gain(search.rounds[k].name.1);
         let mut bare = bare(problem, search, k)?;
         let kept = cost(&search.after.fit);
         let lost = cost(&bare.fit) - kept;
         let most = MOST * (cost(&search.before.fit) - kept);
-        if !bare.origin.stages.is_empty() && lost >= LEAST_GAIN && lost < most {
+        if !bare.origin.stages.is_empty() && lost >= least && lost < most {
             // Behind gears the others may have settled in a hollow that only this one's company made.
             let again = refit::cooled(&problem, &bare.origin, &bare.fit, &search.expected)?;
             if cost(&again) < cost(&bare.fit) {
@@ -53,8 +54,7 @@ pub(super) fn drop_needless(
         }
         let lost = cost(&bare.fit) - kept;
         let needed = lost >= WEAK
-            || lost >= LEAST_GAIN
-                && holds(problem, &bare.fit, &search.after.fit, &search.expected)?;
+            || lost >= least && holds(problem, &bare.fit, &search.after.fit, &search.expected)?;
         if against.is_some() || !needed {
             against.into_iter().for_each(|against| search.contradicted(against));
             search.after = bare;

@@ -155,21 +155,22 @@ pub(super) fn conclude(
     tried.retain(|(_, stage)| search.believes(&stage.fit.model, problem.record));
     let mut tried = tried.into_iter();
     let Some((winner, stage)) = tried.next() else { return Ok(false) };
-    if winner.gain < LEAST_GAIN {
+    let least = search.least_gain(winner.name.1);
+    if winner.gain < least {
         return Ok(false);
     }
     if winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit, &expected)? {
         search.hope(winner, stage);
         return Ok(false);
     }
-    let plain = bared(&problem, &base, &stage, &expected)?;
+    let plain = bared(&problem, &base, &stage, least, &expected)?;
     let owed = gained(&base.fit, &plain.fit).max(0.0);
     if owed > 0.0 && search.rounds.is_empty() {
         search.before = plain.clone();
     }
     let own = winner.gain - owed;
     let gains = [winner.gain, own];
-    if own < LEAST_GAIN || owed_to_the_rest(problem, &plain.fit, &stage.fit, gains, &expected)? {
+    if own < least || owed_to_the_rest(problem, &plain.fit, &stage.fit, gains, &expected)? {
         search.after = plain;
         return if owed < WORTH_ANOTHER { Ok(false) } else { add_settled(problem, search, round) };
     }

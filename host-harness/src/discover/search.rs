@@ -41,8 +41,8 @@ use crate::plant::BuildError;
 pub const MOST_EFFECTS: usize = 4;
 /// Twins from which a round's threshold is taken.
 const TWINS: u64 = 6;
-/// Least that an effect must explain, in units of minus twice the log-likelihood: less is what a
-/// friction law slightly other than ours leaves in a log in which nothing is missing.
+/// What counts, in units of minus twice the log-likelihood: less is what a friction law slightly other
+/// than ours leaves.
 pub const LEAST_GAIN: f64 = 60.0;
 /// A gain below which an effect has to make the samples that no fit has seen likelier as well.
 pub const WEAK: f64 = 5.0 * LEAST_GAIN;
@@ -336,24 +336,28 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         listed.par_iter().map(|line| (line.start.values[0], test.gain(line))).collect();
     let own = ranked.iter().map(|(_, gain)| gain);
     let by_chance = threshold(own.chain(lines.iter().map(|(_, gain)| gain)));
-    let least = by_chance.max(LEAST_GAIN);
     search.scores.retain(|row| row.round != round);
     if round == 1 {
         let best = ranked.first().map_or(0.0, |(_, gain)| gain.real.max(0.0));
         search.orders = told(&lines, best, by_chance);
     }
-    search.chance.push(least);
+    let least =
+        |search: &Search, (_, place): (Kind, Location)| by_chance.max(search.least_gain(place));
     let best_of_name = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
+    let first = best_of_name.first().map(|(hypothesis, _)| hypothesis.name());
+    search.chance.push(first.map_or(by_chance, |name| least(search, name)));
     for (hypothesis, gain) in &best_of_name {
         let name = title(hypothesis.name());
         search.scores.push(ScoreRow { round, name, score: gain.real, refitted: None });
     }
 
     // Noise that has swallowed what is missing hides half of it and more from a linear step.
-    let asked = if excess(search) > PLAIN_TORQUE_EXCESS { 0.5 * least } else { least };
+    let share = if excess(search) > PLAIN_TORQUE_EXCESS { 0.5 } else { 1.0 };
+    // Whether a stage's law explains what it must is for the full refit to say.
+    let asked = |name| share * least(search, name).min(by_chance.max(LEAST_GAIN));
     let promising: Vec<(&Hypothesis, f64)> = best_of_name
         .into_iter()
-        .filter(|(_, gain)| gain.real > asked * gain.luck())
+        .filter(|(h, gain)| gain.real > asked(h.name()) * gain.luck())
         .map(|(hypothesis, gain)| (hypothesis, gain.real))
         .take(SHORT)
         .collect();
@@ -399,6 +403,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         }
     }
     let Some((winner, rivals)) = contenders.split_first() else { return Ok(Look::Nothing) };
+    let least = least(search, winner.name);
     if winner.gain.is_nan() || winner.gain < least {
         return Ok(Look::Nothing);
     }
@@ -409,7 +414,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         search.hope(contenders[0].clone(), won);
         return Ok(Look::Nothing);
     }
-    let plain = bared(&problem, &base, &won, &search.expected)?;
+    let plain = bared(&problem, &base, &won, least, &search.expected)?;
     let owed = (level - cost(&plain.fit)).max(0.0);
     let (gain, rivals) = (winner.gain, rivals.to_vec());
     let winner = gain - owed;
@@ -439,11 +444,12 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
 /// A base refitted from where a model with one more effect stands: a name may owe its gain to a better
 /// fit of all the rest, and then the base is to have that fit as well. Behind gears friction has many
 /// hollows, and the refit of the nominal, or a name as long as it was missing, may have led into a wrong
-/// one: there the base is refitted from elsewhere too.
+/// one: there the base is refitted from elsewhere too, where the name explains the `least` that it must.
 pub fn bared(
     problem: &Problem<'_>,
     base: &Stage,
     won: &Stage,
+    least: f64,
     expected: &Noise,
 ) -> Result<Stage, BuildError> {
     let start = without(&won.fit.model, base.fit.model.effects.len());
@@ -457,7 +463,7 @@ pub fn bared(
         || (rugged && small).then(|| refit::cooled(problem, origin, &base.fit, expected)),
     );
     let mut fit = fit?;
-    if cost(&fit) - cost(&won.fit) > LEAST_GAIN
+    if cost(&fit) - cost(&won.fit) > least
         && let Some(again) = again.transpose()?
         && cost(&again) < cost(&fit)
     {

@@ -32,7 +32,7 @@ const COOLING_ROUNDS: usize = 6;
 const DISTRUST: f64 = 3.0;
 
 /// Stages from which on a likelihood is taken to be rugged, and fits are made by either slope.
-const RUGGED: usize = 2;
+pub const RUGGED: usize = 2;
 
 /// Most rounds of converging.
 const ATTEMPTS: usize = 4;
@@ -183,7 +183,10 @@ pub fn converge(
         let mut moved = cooled(problem, origin, &best, expected)?;
         if doubtful(&moved.noise, expected) && !origin.stages.is_empty() {
             let from = if cost(&moved) < cost(&best) { &moved } else { &best };
-            moved = resettle(problem, origin, &from.model, &best.coordinates)?;
+            let again = resettle(problem, origin, &from.model, &best.coordinates)?;
+            if cost(&again) < cost(&moved) {
+                moved = again;
+            }
         }
         if cost(&best) - cost(&moved) <= WORTHWHILE {
             break;
