@@ -4,6 +4,9 @@
 //! side look the same at first. Once the fit has settled around the name, the order is set free for a
 //! moment, and tells where it belongs.
 
+use joint_core::effect::Kind;
+
+use super::candidates::gravity;
 use super::search::{Search, Stage, WORTH_ANOTHER};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
@@ -36,7 +39,7 @@ pub(super) fn ask_order(
 }
 
 /// The fit with another order of the model's effect number `effect`, if that is a line and the fit the
-/// better for it; a whole order where its own is.
+/// better for it; a whole order where its own is, and none that is gravity's.
 fn reordered(
     problem: &Problem<'_>,
     Stage { fit, origin }: &Stage,
@@ -58,7 +61,8 @@ fn reordered(
     let found = freed.model.effects[effect].values[value];
     let new = if own.fract() == 0.0 { found.round().max(1.0) } else { found };
     let possible = parameters[value].low..parameters[value].high;
-    if !possible.contains(&new) || (new - own).abs() < SAME {
+    let hangs = line.kind == Kind::Cogging && new == 1.0 && gravity::own_line(&fit.model);
+    if hangs || !possible.contains(&new) || (new - own).abs() < SAME {
         return Ok(None);
     }
     let (mut start, mut origin) = (freed.model, origin.clone());
@@ -76,21 +80,27 @@ mod tests {
     use super::*;
     use crate::estimate::noise;
     use crate::estimate::record::Record;
+    use crate::log::Log;
+    use crate::model::Model;
 
     /// The order that is found for a line of order 42 on less than half a turn, begun at another one.
     fn found(begun: f64) -> Option<f64> {
-        let nominal = trial::motor();
-        let log = trial::log(&nominal, trial::line(42.0), 1.8);
+        let log = trial::log(&trial::motor(), trial::line(42.0), 1.8);
         let (low, high) = log
             .motor_angle_rad
             .iter()
             .fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(*q), high.max(*q)));
         assert!((0.2..0.5).contains(&((high - low) / std::f64::consts::TAU)), "{}", high - low);
-        let record = Record::new(&log, None);
+        of(&trial::motor(), &log, begun)
+    }
+
+    /// The order that is found in a log for a line that is begun at another one.
+    fn of(nominal: &Model, log: &Log, begun: f64) -> Option<f64> {
+        let record = Record::new(log, None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask);
-        let stage = trial::fitted(&problem, &nominal, &[cogging::line(begun, 0.01, false)]);
-        let expected = noise::expected(&nominal, &record);
+        let stage = trial::fitted(&problem, nominal, &[cogging::line(begun, 0.01, false)]);
+        let expected = noise::expected(nominal, &record);
         let better = reordered(&problem, &stage, 0, &expected).unwrap();
         better.map(|stage| stage.fit.model.effects[0].values[0])
     }
@@ -99,6 +109,16 @@ mod tests {
     fn an_order_that_a_short_travel_does_not_tell_is_found_from_beside_it() {
         assert_eq!(found(44.0), Some(42.0));
         assert_eq!(found(41.0), Some(42.0));
+    }
+
+    #[test]
+    fn a_line_that_is_gravitys_is_not_found_for_another_one() {
+        let mut nominal = trial::motor();
+        let log = trial::log(&nominal, trial::line(1.0), 1.8);
+        assert_eq!(of(&nominal, &log, 2.0), None);
+        // What the model has is not found again: the line is no pull that it lacks.
+        nominal.load.gravity_nm = 1e-6;
+        assert_eq!(of(&nominal, &log, 2.0), Some(1.0));
     }
 
     #[test]
