@@ -183,10 +183,7 @@ pub fn converge(
         let mut moved = cooled(problem, origin, &best, expected)?;
         if doubtful(&moved.noise, expected) && !origin.stages.is_empty() {
             let from = if cost(&moved) < cost(&best) { &moved } else { &best };
-            let again = resettle(problem, origin, &from.model, &best.coordinates)?;
-            if cost(&again) < cost(&moved) {
-                moved = again;
-            }
+            moved = resettle(problem, origin, &from.model, &best.coordinates)?;
         }
         if cost(&best) - cost(&moved) <= WORTHWHILE {
             break;
