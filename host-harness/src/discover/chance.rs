@@ -7,11 +7,11 @@ use super::score_test::Gain;
 use super::search::{LEAST_GAIN, Search, excess};
 use crate::estimate::refit::{DOUBTFUL, RUGGED};
 
-/// Least that an effect must explain of a joint that is not lost, with one stage at most: in a hundred
-/// drawn ones in which nothing is missing no score exceeds 22.
+/// Least that an effect must explain of a joint with one stage at most whose noise is not doubtful: in a
+/// hundred drawn ones in which nothing is missing no score exceeds 22.
 const LEAST_OF_SMOOTH: f64 = 40.0;
-/// Least that a law of a stage must explain in a rugged chain, where half the scores beyond 50 are of such
-/// laws though nothing is missing: the refit has ended in a hollow of the chain's own.
+/// Least that a law of a stage must explain in a rugged chain: such laws score 64 and more in a fifth of
+/// those in which nothing is missing, where the refit has ended in a hollow of the chain's own.
 const LEAST_OF_RUGGED: f64 = 120.0;
 
 impl Search {
