@@ -118,7 +118,9 @@ pub fn discover_without(
         true => believable(&after.noise, &found.expected),
         false => after.noise,
     };
-    let run = |fit: &Fit| problem.design(&fit.model, &noise);
+    let every = vec![1.0; record.len()];
+    let everywhere = Problem { mask: &every, ..problem };
+    let run = |fit: &Fit| everywhere.design(&fit.model, &noise);
     let (run_before, run_after) = rayon::join(|| run(before), || run(after));
     let [innovations_before, innovations_after] = [run_before?.innovations, run_after?.innovations];
     let orders = orders(&found);
@@ -127,7 +129,7 @@ pub fn discover_without(
     // Noise that swallows what is missing would leave no equation to blame for it.
     let calm = believable(&noise, &found.expected);
     let judged = Fit { noise, ..after.clone() };
-    let floor = Remainder::of(&problem, &judged, &found.expected, &tested)?;
+    let floor = Remainder::of(&everywhere, &judged, &found.expected, &tested)?;
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
     if gap.floor > 0.0 {
         remainder.unseen = gap.after / gap.floor;

@@ -54,7 +54,7 @@ pub fn add_protected(
     let base = search.after.clone();
     let expected = search.expected;
     let wary = Noise { sensors: base.fit.noise.sensors, ..expected.distrusted(DISTRUST) };
-    let pushes = disagreeing(&problem, &base, &wary)?;
+    let pushes = disagreeing(&problem, &base, &wary, true)?;
     let Some((walk, protected)) = pushes.first().map(|(walk, fit)| (*walk, fit)) else {
         return Ok(false);
     };

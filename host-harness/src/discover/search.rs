@@ -20,7 +20,7 @@ use super::chance::{threshold, told};
 use super::constant::Constant;
 use super::findings::ScoreRow;
 use super::fork::{Second, try_fork};
-use super::gate::PLAIN_TORQUE_EXCESS;
+use super::gate::{PLAIN_TORQUE_EXCESS, Remainder};
 use super::hope::try_hope;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::needless::{drop_idle, drop_needless, without};
@@ -214,7 +214,12 @@ pub fn search(
     }
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
-        settle(&last, &mut search)?;
+        let Stage { fit, .. } = &search.after;
+        // Springs in a wrong valley leave more than noise.
+        let clean = !fit.model.stages.is_empty()
+            && !calm(&fit.noise, &expected)
+            && Remainder::of(&last, fit, &expected, last.mask)?.complaints(false).is_empty();
+        settle(&last, &mut search, clean)?;
         drop_needless(last, &mut search, true)?;
     }
     bar.inc(1);
@@ -222,19 +227,22 @@ pub fn search(
 }
 
 /// Refits a model with effects once more, unless it is the one that this gave last: what was missing
-/// may have held the springs in a wrong valley.
-fn settle(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
+/// may have held the springs in a wrong valley. What leaves a `clean` rest is only polished.
+fn settle(problem: &Problem<'_>, search: &mut Search, clean: bool) -> Result<(), BuildError> {
     let Stage { fit, origin } = &search.after;
     if search.settled == Some(cost(fit)) {
         return Ok(());
     }
     let (model, moved, expected) = (&fit.model, &fit.coordinates, &search.expected);
-    let settled = match origin.stages.is_empty() || calm(&fit.noise, expected) {
-        true => refit::polish(problem, origin, model, moved, expected, &fit.noise)?,
-        false => refit::resettle(problem, origin, model, moved)?,
+    let settled = if origin.stages.is_empty() || calm(&fit.noise, expected) {
+        refit::polish(problem, origin, model, moved, expected, &fit.noise)?
+    } else if clean {
+        refit::polish_on(problem, origin, fit.clone(), expected)?
+    } else {
+        refit::resettle(problem, origin, model, moved)?
     };
     let mut best = if cost(&settled) < cost(fit) { settled } else { fit.clone() };
-    if !calm(&best.noise, expected) {
+    if !clean && !calm(&best.noise, expected) {
         best = refit::converge(problem, origin, best, expected)?;
     }
     search.settled = Some(cost(&best));
@@ -276,7 +284,7 @@ pub(super) fn look(
 fn add(last: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
     let problem = last.rough();
     if !search.rounds.is_empty() && (DOUBTED..LOST).contains(&excess(search)) {
-        settle(&last, search)?;
+        settle(&last, search, false)?;
     }
     let excess = excess(search);
     Ok(excess > LOST && add_to_lost(problem, search, round)?

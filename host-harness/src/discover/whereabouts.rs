@@ -55,7 +55,8 @@ pub fn locate(
     orders: &[f64],
     along_lines: bool,
 ) -> Result<Disagreement, BuildError> {
-    let Some((walk, before)) = disagreeing(problem, before, noise)?.into_iter().next() else {
+    let bent = before.fit.noise.times(noise) > 1.0;
+    let Some((walk, before)) = disagreeing(problem, before, noise, bent)?.into_iter().next() else {
         return Ok(Disagreement::default());
     };
     let before = &before.model;
@@ -111,7 +112,8 @@ fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
 }
 
 /// The equations whose pushes make the log most likely, the best first, and the model refitted beside
-/// each: the plain refit has bent its parameters to explain what the equation misses.
+/// each; from the nominal as well where the plain refit has `bent` its parameters to explain what the equation
+/// misses.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -119,10 +121,12 @@ pub fn disagreeing(
     problem: &Problem<'_>,
     before: &Stage,
     noise: &Noise,
+    bent: bool,
 ) -> Result<Vec<(Walk, Fit)>, BuildError> {
     let Stage { fit: plain, origin } = before;
-    let starts = [&plain.model, origin]
+    let starts = [Some(&plain.model), bent.then_some(origin)]
         .into_par_iter()
+        .flatten()
         .map(|model| {
             let mut along = Cow::Owned(Linearisation::default());
             problem.design_along(&mut along, model, noise)?;

@@ -7,6 +7,7 @@
 //! channel after the other, which leaves the innovations uncorrelated between channels as well.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
@@ -35,6 +36,8 @@ pub struct Observer<'a> {
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
     pub(super) sensor_errors: bool,
+    /// Samples after which none of their log is asked for, to the end of that log.
+    pub(super) idle: Vec<Range<usize>>,
 }
 
 impl<'a> Observer<'a> {
@@ -74,7 +77,19 @@ impl<'a> Observer<'a> {
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
         let sensor_errors = model.effects.iter().any(|effect| is_of_a_sensor(effect.kind));
-        Self { plant, record, layout, shaft, inertia, start_sigma, steps, late, sensor_errors }
+        let idle = Vec::new();
+        Self {
+            plant,
+            record,
+            layout,
+            shaft,
+            inertia,
+            start_sigma,
+            steps,
+            late,
+            sensor_errors,
+            idle,
+        }
     }
 
     /// Designs the gains along the record and runs it.
@@ -122,6 +137,13 @@ impl<'a> Observer<'a> {
         let made = along.drive.len() >= samples.saturating_sub(1) * self.layout.len();
         let linear = if made { None } else { self.plant.linear(self.layout.len()) };
         for k in 0..samples {
+            if self.is_idle(k) {
+                if !made {
+                    along.to_mut().skip(self.layout.len());
+                }
+                keep.corrected(&x);
+                continue;
+            }
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
                 p = self.start_covariance(k, walks);
@@ -164,6 +186,9 @@ impl<'a> Observer<'a> {
         let mut x = Vec::new();
         let mut innovations = vec![[0.0; CHANNELS]; self.record.len()];
         for (k, row) in innovations.iter_mut().enumerate() {
+            if self.is_idle(k) {
+                continue;
+            }
             if self.record.starts.contains(&k) {
                 x = self.start(k, own + gains.walks.len());
             }

@@ -15,7 +15,7 @@ use super::gram::gram;
 use super::keep::Likelihood;
 use super::record::{CHANNELS, Channel, Record};
 use crate::model::Model;
-use crate::plant::{BuildError, plant};
+use crate::plant::{BuildError, Plant, plant};
 
 /// What a round must gain of minus twice the log-likelihood to be followed by another: where a model
 /// is to be known, and where it is only to be compared.
@@ -32,7 +32,7 @@ pub struct Fit {
     pub noise: Noise,
     /// The filter's gains at the fitted model.
     pub gains: Gains,
-    /// Whitened innovations of the whole record at the fitted model.
+    /// Whitened innovations at the fitted model, of each log as far as it is fitted to.
     pub innovations: Vec<[f64; CHANNELS]>,
     /// Minus twice the log-likelihood over the samples fitted to, without priors.
     pub deviance: f64,
@@ -54,7 +54,7 @@ impl Fit {
 pub struct Design {
     /// Its gains.
     pub gains: Gains,
-    /// Whitened innovations of the whole record.
+    /// Whitened innovations, of each log as far as it is fitted to.
     pub innovations: Vec<[f64; CHANNELS]>,
     /// Minus twice the log-likelihood over the samples fitted to.
     pub deviance: f64,
@@ -130,6 +130,14 @@ impl<'a> Problem<'a> {
         standing_walks(self.record).into_iter().chain(self.push).collect()
     }
 
+    /// A plant observed as far as samples are fitted to.
+    pub(super) fn observer<'p>(&self, model: &Model, plant: &'p dyn Plant) -> Observer<'p>
+    where
+        'a: 'p,
+    {
+        Observer::new(model, plant, self.record).as_far_as(self.mask)
+    }
+
     /// Designs the filter at a model and runs it.
     ///
     /// # Errors
@@ -149,7 +157,7 @@ impl<'a> Problem<'a> {
         noise: &Noise,
     ) -> Result<Design, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
-        let observer = Observer::new(model, &*plant, self.record);
+        let observer = self.observer(model, &*plant);
         let (gains, run) = observer.designed(along, noise, &self.walks(), false);
         let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
         Ok(Design { gains, innovations: run.innovations, deviance })
@@ -166,7 +174,7 @@ impl<'a> Problem<'a> {
         noise: &Noise,
     ) -> Result<f64, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
-        let observer = Observer::new(model, &*plant, self.record);
+        let observer = self.observer(model, &*plant);
         let mut likelihood = Likelihood::over(self.mask);
         observer.run(&mut Cow::Borrowed(along), noise, &self.walks(), &mut likelihood);
         Ok(likelihood.deviance())
@@ -195,7 +203,7 @@ impl<'a> Problem<'a> {
         gains: &Gains,
     ) -> Result<Vec<[f64; CHANNELS]>, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
-        Ok(Observer::new(model, &*plant, self.record).innovations(gains))
+        Ok(self.observer(model, &*plant).innovations(gains))
     }
 
     /// Squared innovations over the samples fitted to; infinite where they are not numbers.

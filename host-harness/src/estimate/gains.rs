@@ -103,4 +103,10 @@ impl Linearisation {
     pub fn is_empty(&self) -> bool {
         self.drive.is_empty()
     }
+
+    /// Leaves one sample out, of that many states.
+    pub(super) fn skip(&mut self, states: usize) {
+        self.transition.extend(std::iter::repeat_n(f64::NAN, states * states));
+        self.drive.extend(std::iter::repeat_n(f64::NAN, states));
+    }
 }

@@ -18,6 +18,7 @@ mod keep;
 pub mod late;
 pub mod noise;
 pub mod parameters;
+mod reach;
 pub mod record;
 pub mod refit;
 pub mod slope;

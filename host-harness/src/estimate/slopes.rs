@@ -72,7 +72,7 @@ impl Problem<'_> {
         if moved.is_empty() {
             return columns;
         }
-        let observer = Observer::new(model, &*plant, self.record);
+        let observer = self.observer(model, &*plant);
         let passes = moved.len().div_ceil(LANES);
         let found: Vec<(usize, DVector<f64>)> = moved
             .par_chunks(moved.len().div_ceil(passes))
@@ -127,6 +127,9 @@ impl Observer<'_> {
         let mut x = Vec::new();
         let mut slopes = vec![[[0.0; LANES]; CHANNELS]; self.record.len()];
         for (k, row) in slopes.iter_mut().enumerate() {
+            if self.is_idle(k) {
+                continue;
+            }
             if self.record.starts.contains(&k) {
                 let start = self.start(k, own + gains.walks.len());
                 x = start.into_iter().map(Dual::constant).collect();

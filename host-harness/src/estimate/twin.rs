@@ -56,7 +56,7 @@ pub fn twin(
     Ok(twin)
 }
 
-/// Innovations that a model leaves on its own twin. Where noise throws the twin beyond all numbers, they
+/// Innovations that a model leaves on its own twin, as far as the problem fits. Where noise throws the twin beyond all numbers, they
 /// are what every right filter leaves: white, of variance one.
 ///
 /// # Errors
@@ -69,7 +69,7 @@ pub fn null_innovations(
 ) -> Result<Vec<[f64; CHANNELS]>, BuildError> {
     let twin = twin(model, problem.record, noise, seed)?;
     let plant = plant(model, &twin.grid, twin.drive)?;
-    let observer = Observer::new(model, &*plant, &twin);
+    let observer = Observer::new(model, &*plant, &twin).as_far_as(problem.mask);
     let mut rows = observer.design(noise, &problem.walks()).1.innovations;
     if !rows.iter().flatten().all(|e| e.is_finite()) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
