@@ -18,9 +18,9 @@ use super::constant::ask_constant;
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
 use super::finer::ask_finer;
-use super::force::relative_force_error;
 use super::gate::{Remainder, rms};
 use super::next_experiment::advice;
+use super::reasons::reasons;
 use super::search::{Search, search};
 use super::whereabouts::locate;
 use crate::estimate::coordinates::Coordinate;
@@ -419,59 +419,6 @@ fn noise_rows(found: &Search, record: &Record) -> Vec<NoiseRow> {
         });
     }
     rows
-}
-
-fn reasons(found: &Search, record: &Record, gap: &Gap, complaints: &[String]) -> Vec<String> {
-    let mut all: Vec<String> = found
-        .rounds
-        .iter()
-        .map(|round| {
-            let name = super::search::title(round.name);
-            match round.rivals.first() {
-                Some(rival) => format!(
-                    "{name} takes {:.0} from minus twice the log-likelihood; the next best name, {}, takes {:.0}",
-                    round.gain,
-                    super::search::title(rival.name),
-                    rival.gain
-                ),
-                None => format!(
-                    "{name} takes {:.0} from minus twice the log-likelihood; no other name comes near",
-                    round.gain
-                ),
-            }
-        })
-        .collect();
-    let gravity = found.rounds.iter().find(|round| round.name.0 == Kind::Gravity);
-    all.extend(found.constant.zip(gravity).map(|(constant, gravity)| constant.told(gravity.gain)));
-    all.extend(
-        found.contradictions.iter().map(|(_, text)| format!("fits, but is contradicted: {text}")),
-    );
-    if found.rounds.is_empty() {
-        let best = found.scores.iter().map(|row| row.score).fold(0.0, f64::max);
-        let chance = found.chance.first().copied().unwrap_or_default();
-        all.push(format!(
-            "no listed effect explains what is missing: the best score is {best:.0}, chance is ruled out from {chance:.0} on, and a full refit must keep it"
-        ));
-    }
-    if complaints.is_empty() {
-        all.push(format!(
-            "what is left is noise: {:.3} sigma on held-out data where a twin leaves {:.3}",
-            gap.after, gap.floor
-        ));
-    } else {
-        all.extend(complaints.iter().map(|text| format!("what is left is not noise: {text}")));
-    }
-    let force = |model: &Model| relative_force_error(model, record);
-    if let (Some(before), Some(after)) =
-        (force(&found.before.fit.model), force(&found.after.fit.model))
-    {
-        all.push(format!(
-            "relative force error over the record: {:.2} % refitted, {:.2} % with the effects",
-            100.0 * before,
-            100.0 * after
-        ));
-    }
-    all
 }
 
 /// Innovations for show: NaN where nothing is measured.

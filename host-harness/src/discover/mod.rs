@@ -26,6 +26,7 @@ mod needless;
 pub mod next_experiment;
 mod order;
 pub mod protected;
+mod reasons;
 pub mod score_test;
 pub mod search;
 #[cfg(test)]

@@ -1,0 +1,97 @@
+//! The answer in sentences: what each name explains and how far the next one is, what contradicts a
+//! name, and what is left.
+
+use joint_core::effect::Kind;
+
+use super::findings::Gap;
+use super::force::relative_force_error;
+use super::search::{Round, Search, title};
+use crate::estimate::record::Record;
+use crate::model::Model;
+
+/// Why the answer is what it is, in the order in which it was found.
+pub(super) fn reasons(
+    found: &Search,
+    record: &Record,
+    gap: &Gap,
+    complaints: &[String],
+) -> Vec<String> {
+    let mut all = explained(&found.rounds);
+    let gravity = found.rounds.iter().find(|round| round.name.0 == Kind::Gravity);
+    all.extend(found.constant.zip(gravity).map(|(constant, gravity)| constant.told(gravity.gain)));
+    all.extend(
+        found.contradictions.iter().map(|(_, text)| format!("fits, but is contradicted: {text}")),
+    );
+    if found.rounds.is_empty() {
+        let best = found.scores.iter().map(|row| row.score).fold(0.0, f64::max);
+        let chance = found.chance.first().copied().unwrap_or_default();
+        all.push(format!(
+            "no listed effect explains what is missing: the best score is {best:.0}, chance is ruled out from {chance:.0} on, and a full refit must keep it"
+        ));
+    }
+    if complaints.is_empty() {
+        all.push(format!(
+            "what is left is noise: {:.3} sigma on held-out data where a twin leaves {:.3}",
+            gap.after, gap.floor
+        ));
+    } else {
+        all.extend(complaints.iter().map(|text| format!("what is left is not noise: {text}")));
+    }
+    let force = |model: &Model| relative_force_error(model, record);
+    if let (Some(before), Some(after)) =
+        (force(&found.before.fit.model), force(&found.after.fit.model))
+    {
+        all.push(format!(
+            "relative force error over the record: {:.2} % refitted, {:.2} % with the effects",
+            100.0 * before,
+            100.0 * after
+        ));
+    }
+    all
+}
+
+/// What each name took, and the next best one; lines that were added at once took it together.
+fn explained(rounds: &[Round]) -> Vec<String> {
+    let at_once = rounds.chunk_by(|one, next| one.name == next.name && one.gain == next.gain);
+    at_once
+        .map(|rounds| {
+            let Round { name, gain, rivals, .. } = &rounds[0];
+            let name = match rounds.len() {
+                1 => format!("{} takes", title(*name)),
+                several => format!("{}, {several} of them added at once, take", title(*name)),
+            };
+            let next = rivals.first().map_or_else(
+                || "no other name comes near".to_owned(),
+                |rival| {
+                    format!("the next best name, {}, takes {:.0}", title(rival.name), rival.gain)
+                },
+            );
+            format!("{name} {gain:.0} from minus twice the log-likelihood; {next}")
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::params::Location;
+
+    use super::super::search::Contender;
+    use super::*;
+
+    fn round(kind: Kind, gain: f64, rivals: Vec<Contender>) -> Round {
+        let name = (kind, Location::Motor);
+        Round { name, gain, rivals, runner_up: None, stays_ahead: 1.0 }
+    }
+
+    #[test]
+    fn lines_that_were_added_at_once_took_their_gain_together() {
+        let drag = Contender { name: (Kind::QuadraticDrag, Location::Motor), gain: 12.4 };
+        let line = || round(Kind::Cogging, 1079.0, Vec::new());
+        let told = explained(&[line(), line(), round(Kind::Gravity, 80.2, vec![drag]), line()]);
+        let [lines, gravity, line] = &told[..] else { panic!("{told:?}") };
+        assert!(lines.starts_with("cogging (motor), 2 of them added at once, take 1079 from"));
+        assert!(gravity.starts_with("gravity (motor) takes 80 from"));
+        assert!(gravity.ends_with("the next best name, quadratic-drag (motor), takes 12"));
+        assert!(line.starts_with("cogging (motor) takes 1079") && line.ends_with("comes near"));
+    }
+}
