@@ -6,7 +6,7 @@
 
 use joint_core::effect::Kind;
 
-use super::candidates::gravity;
+use super::candidates::{encoder_eccentricity, gravity};
 use super::search::{Search, Stage, WORTH_ANOTHER};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
@@ -39,7 +39,8 @@ pub(super) fn ask_order(
 }
 
 /// The fit with another order of the model's effect number `effect`, if that is a line and the fit the
-/// better for it; a whole order where its own is, and none that is gravity's.
+/// better for it; a whole order where its own is, and none that is gravity's. Those that an eccentric
+/// encoder may have are asked one by one: over a short travel the free order stays between them.
 fn reordered(
     problem: &Problem<'_>,
     Stage { fit, origin }: &Stage,
@@ -60,22 +61,37 @@ fn reordered(
     let freed = problem.fit(origin, &fit.model, &moved, &fit.noise, ROUNDS)?;
     let found = freed.model.effects[effect].values[value];
     let new = if own.fract() == 0.0 { found.round().max(1.0) } else { found };
-    let possible = parameters[value].low..parameters[value].high;
-    let hangs = line.kind == Kind::Cogging && new == 1.0 && gravity::own_line(&fit.model);
-    if hangs || !possible.contains(&new) || (new - own).abs() < SAME {
-        return Ok(None);
+    let mut starts = vec![(&freed.model, new)];
+    if line.kind == Kind::EncoderEccentricity {
+        starts.extend(encoder_eccentricity::ORDERS.map(|order| (&fit.model, order)));
     }
-    let (mut start, mut origin) = (freed.model, origin.clone());
-    start.effects[effect].values[value] = new;
-    origin.effects[effect].values[value] = new;
-    let again = refit::polish(problem, &origin, &start, &fit.coordinates, expected, &fit.noise)?;
-    let better = cost(fit) - cost(&again) > WORTH_ANOTHER;
-    Ok(better.then_some(Stage { fit: again, origin }))
+    let possible = parameters[value].low..parameters[value].high;
+    let hangs = line.kind == Kind::Cogging && gravity::own_line(&fit.model);
+    let others = starts.into_iter().filter(|(_, order)| {
+        possible.contains(order) && (order - own).abs() >= SAME && !(hangs && *order == 1.0)
+    });
+    let mut best: Option<Stage> = None;
+    for (model, order) in others {
+        let (mut start, mut origin) = (model.clone(), origin.clone());
+        start.effects[effect].values[value] = order;
+        origin.effects[effect].values[value] = order;
+        let moved = &fit.coordinates;
+        let again = refit::polish(problem, &origin, &start, moved, expected, &fit.noise)?;
+        let least = best.as_ref().map_or(cost(fit) - WORTH_ANOTHER, |best| cost(&best.fit));
+        if cost(&again) < least {
+            best = Some(Stage { fit: again, origin });
+        }
+    }
+    Ok(best)
 }
 
 #[cfg(test)]
 mod tests {
+    use joint_core::effect::EffectParameters;
+    use joint_core::params::Location;
+
     use super::super::candidates::cogging;
+    use super::super::hypothesis::{Free, Hypothesis};
     use super::super::trial;
     use super::*;
     use crate::estimate::noise;
@@ -91,18 +107,19 @@ mod tests {
             .iter()
             .fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(*q), high.max(*q)));
         assert!((0.2..0.5).contains(&((high - low) / std::f64::consts::TAU)), "{}", high - low);
-        of(&trial::motor(), &log, begun)
+        of(&trial::motor(), &log, cogging::line(begun, 0.01, false))
     }
 
     /// The order that is found in a log for a line that is begun at another one.
-    fn of(nominal: &Model, log: &Log, begun: f64) -> Option<f64> {
+    fn of(nominal: &Model, log: &Log, begun: Hypothesis) -> Option<f64> {
         let record = Record::new(log, None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask);
-        let stage = trial::fitted(&problem, nominal, &[cogging::line(begun, 0.01, false)]);
+        let value = begun.start.kind.spec().parameters.iter().position(|spec| spec.key == "order");
+        let stage = trial::fitted(&problem, nominal, &[begun]);
         let expected = noise::expected(nominal, &record);
         let better = reordered(&problem, &stage, 0, &expected).unwrap();
-        better.map(|stage| stage.fit.model.effects[0].values[0])
+        better.map(|stage| stage.fit.model.effects[0].values[value.unwrap()])
     }
 
     #[test]
@@ -115,10 +132,24 @@ mod tests {
     fn a_line_that_is_gravitys_is_not_found_for_another_one() {
         let mut nominal = trial::motor();
         let log = trial::log(&nominal, trial::line(1.0), 1.8);
-        assert_eq!(of(&nominal, &log, 2.0), None);
+        let begun = || cogging::line(2.0, 0.01, false);
+        assert_eq!(of(&nominal, &log, begun()), None);
         // What the model has is not found again: the line is no pull that it lacks.
         nominal.load.gravity_nm = 1e-6;
-        assert_eq!(of(&nominal, &log, 2.0), Some(1.0));
+        assert_eq!(of(&nominal, &log, begun()), Some(1.0));
+    }
+
+    #[test]
+    fn an_encoder_off_its_centre_is_no_tilted_one_over_a_quarter_turn() {
+        let line = EffectParameters::new(Kind::EncoderEccentricity, Location::Encoder);
+        let hidden = line.with("amplitude_rad", 0.03).with("phase_rad", 2.0);
+        let log = trial::log(&trial::motor(), hidden, 1.8);
+        let begun = |order: f64| Hypothesis {
+            start: line.with("order", order),
+            free: vec![Free::Phasor { amplitude: 0, scale: 1e-3, sigma: 100.0 }],
+        };
+        assert_eq!(of(&trial::motor(), &log, begun(2.0)), Some(1.0));
+        assert_eq!(of(&trial::motor(), &log, begun(1.0)), None);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::Scene;
 use crate::estimate::record::Channel;
 
 /// A disc off its centre, and a tilted one.
-const ORDERS: [f64; 2] = [1.0, 2.0];
+pub(in super::super) const ORDERS: [f64; 2] = [1.0, 2.0];
 
 pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();

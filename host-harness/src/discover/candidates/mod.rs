@@ -10,7 +10,7 @@ pub(super) mod cogging;
 mod current_gain;
 mod current_offset;
 mod dead_time;
-mod encoder_eccentricity;
+pub(super) mod encoder_eccentricity;
 pub(super) mod gravity;
 mod hardening_stiffness;
 mod load_dependent_friction;
