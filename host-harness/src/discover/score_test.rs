@@ -28,6 +28,8 @@ pub struct ScoreTest<'a> {
     curvature: Cholesky<f64, Dyn>,
     precision: DVector<f64>,
     offset: DVector<f64>,
+    /// What the base model's distance from its priors costs.
+    prior: f64,
     /// The record's own innovations, then those of its twins.
     residuals: Vec<Residual>,
     /// What each of them pulls at.
@@ -89,6 +91,7 @@ impl<'a> ScoreTest<'a> {
             base,
             jacobian,
             curvature,
+            prior: precision.component_mul(&offset).dot(&offset),
             precision,
             offset,
             residuals: Vec::new(),
@@ -182,10 +185,44 @@ impl<'a> ScoreTest<'a> {
                 - residual.nuisance.dot(&self.curvature.solve(&residual.nuisance))
         };
         let gain = cost(real) - cost(from) + explained(from);
-        Some(Gain {
-            real: if gain.is_finite() { gain } else { 0.0 },
+        // A start from which the filter flies off shows rounding alone, of whatever size.
+        let possible = gain.is_finite() && gain <= cost(real) + self.prior;
+        possible.then(|| Gain {
+            real: gain,
             null: twins.iter().map(explained).collect(),
             free: coordinates.len(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::params::Location;
+
+    use super::super::hypothesis::Free;
+    use super::super::trial;
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn no_start_explains_more_than_there_is() {
+        let nominal = actuator();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask);
+        let base = trial::fitted(&problem, &nominal, &[]);
+        let test = ScoreTest::new(problem, &base.origin, &base.fit, 1).unwrap();
+        let there = problem.sum_of_squares(&base.fit.innovations) + base.fit.prior;
+        let drag = EffectParameters::new(Kind::QuadraticDrag, Location::Motor);
+        // Beyond some tenths the step cannot follow, and the filter flies off.
+        for power in -20..80 {
+            let size = 10.0_f64.powf(0.05 * f64::from(power));
+            let start = drag.with("coefficient_nm_s2", size);
+            let free = vec![Free::Value { value: 0, scale: 0.1 * size, sigma: 10.0 }];
+            let gain = test.gain(&Hypothesis { start, free });
+            assert!(gain.real <= there, "{} of {there} at {size}", gain.real);
+        }
     }
 }
