@@ -19,6 +19,7 @@ use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
 use super::finer::ask_finer;
 use super::gate::{Remainder, rms};
+use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
 use super::reasons::reasons;
 use super::search::{Search, search};
@@ -108,6 +109,7 @@ pub fn discover_without(
     let problem = Problem::new(&record, &fitted);
     if !interrupt::asked() {
         ask_constant(&problem, &mut found)?;
+        ask_encoder(&problem, &mut found)?;
     }
 
     bar.set_message("where they disagree, and what to measure next");

@@ -19,6 +19,7 @@ mod followed;
 pub mod force;
 mod fork;
 pub mod gate;
+mod gear_or_encoder;
 mod hope;
 pub mod hypothesis;
 pub mod lines;
@@ -27,6 +28,7 @@ pub mod next_experiment;
 mod order;
 pub mod protected;
 mod reasons;
+mod rival;
 pub mod score_test;
 pub mod search;
 #[cfg(test)]

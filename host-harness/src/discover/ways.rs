@@ -94,17 +94,8 @@ fn better_of(search: &mut Search, other: Search, before: usize, mask: &[f64]) {
         return;
     }
     let contender = Contender { name: rival.name, gain: own.gain - behind };
-    own.rivals.retain(|known| known.name != contender.name || known.gain > contender.gain);
-    if own.rivals.iter().any(|known| known.name == contender.name) {
-        return;
-    }
-    let place = own.rivals.partition_point(|known| known.gain > contender.gain);
-    own.rivals.insert(place, contender);
-    if place == 0 {
-        let ahead = stays_ahead(&search.after.fit, &[&beaten.after.fit], mask);
-        own.stays_ahead = own.stays_ahead.min(ahead);
-        own.runner_up = Some(beaten.after);
-    }
+    let after = &search.after.fit;
+    own.rivalled(contender, beaten.after, |rival| stays_ahead(after, &[&rival.fit], mask));
 }
 
 #[cfg(test)]
