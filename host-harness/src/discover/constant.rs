@@ -15,7 +15,7 @@ use super::search::{LEAST_GAIN, Round, Search, Stage};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::Problem;
 use crate::estimate::record::{Channel, Record};
-use crate::estimate::refit::{self, cost};
+use crate::estimate::refit::cost;
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -81,27 +81,20 @@ pub(super) fn ask_constant(problem: &Problem<'_>, search: &mut Search) -> Result
 /// The fit with a constant torque on the rotor in the place of the model's effect number `place`.
 fn instead(
     problem: &Problem<'_>,
-    Stage { fit, origin }: &Stage,
+    after: &Stage,
     place: usize,
     search: &Search,
 ) -> Result<Stage, BuildError> {
-    let mean = mean_pull(&fit.model, place, problem.record);
-    let replaced = |model: &Model, torque: f64| {
-        let mut model = model.clone();
-        // Of a line of the lowest order the record sees no more than its top.
-        model.effects[place] = EffectParameters::new(Kind::Cogging, Location::Motor)
-            .with("order", Kind::Cogging.spec().parameters[ORDER].low)
-            .with("amplitude_nm", torque)
-            .with("phase_rad", -FRAC_PI_2);
-        model
-    };
-    let scale = fit.model.effects[place].values[0] * shaft(&fit.model).abs();
+    let model = &after.fit.model;
+    // Of a line of the lowest order the record sees no more than its top.
+    let constant = EffectParameters::new(Kind::Cogging, Location::Motor)
+        .with("order", Kind::Cogging.spec().parameters[ORDER].low)
+        .with("phase_rad", -FRAC_PI_2);
+    let mean = mean_pull(model, place, problem.record);
+    let torques = [0.0, mean].map(|torque| constant.with("amplitude_nm", torque));
+    let scale = model.effects[place].values[0] * shaft(model).abs();
     let own = Coordinate::Effect { effect: place, value: AMPLITUDE, scale, sigma: SIGMA };
-    let others = fit.coordinates.iter().filter(|moved| moved.effect() != Some(place)).copied();
-    let moved: Vec<Coordinate> = others.chain([own]).collect();
-    let (origin, start) = (replaced(origin, 0.0), replaced(&fit.model, mean));
-    let fit = refit::polish(problem, &origin, &start, &moved, &search.expected, &fit.noise)?;
-    Ok(Stage { fit, origin })
+    after.instead(problem, &search.expected, place, torques, &[own])
 }
 
 /// What gravity is on the rotor in the mean over a record, Nm.

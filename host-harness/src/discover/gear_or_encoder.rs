@@ -14,7 +14,7 @@ use super::search::{Contender, Search, Stage};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::Problem;
 use crate::estimate::record::Channel;
-use crate::estimate::refit::{self, cost};
+use crate::estimate::refit::cost;
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -23,13 +23,11 @@ const ENCODER: (Kind, Location) = (Kind::EncoderEccentricity, Location::OutputEn
 /// One sigma of the prior, in amplitudes of what is replaced.
 const SIGMA: f64 = 100.0;
 
-/// Fits a line of the output's encoder in the place of each transmission error that was named.
-///
-/// # Errors
-/// A model cannot be built.
-pub(super) fn ask_encoder(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
+/// Fits a line of the output's encoder in the place of each transmission error that was named; what cannot
+/// be fitted is no rival.
+pub(super) fn ask_encoder(problem: &Problem<'_>, search: &mut Search) {
     if !problem.record.has(Channel::Output) || search.withdrawn.contains(&ENCODER.0) {
-        return Ok(());
+        return;
     }
     for k in 0..search.rounds.len() {
         if search.rounds[k].name.0 != Kind::TransmissionError {
@@ -38,30 +36,24 @@ pub(super) fn ask_encoder(problem: &Problem<'_>, search: &mut Search) -> Result<
         let Ok(stage) = instead(problem, search, search.place(k)) else { continue };
         let after = &search.after.fit;
         let gain = search.rounds[k].gain + cost(after) - cost(&stage.fit);
+        if !gain.is_finite() {
+            continue;
+        }
         let contender = Contender { name: ENCODER, gain };
         let ahead = |rival: &Stage| stays_ahead(after, &[&rival.fit], problem.mask);
         search.rounds[k].rivalled(contender, stage, ahead);
     }
-    Ok(())
 }
 
 /// The fit with the encoder's line in the place of the model's effect number `place`.
 fn instead(problem: &Problem<'_>, search: &Search, place: usize) -> Result<Stage, BuildError> {
-    let Stage { fit, origin } = &search.after;
-    let line = seen(&fit.model, &fit.model.effects[place]);
-    let replaced = |model: &Model, amplitude: f64| {
-        let mut model = model.clone();
-        model.effects[place] = line.with("amplitude_rad", amplitude);
-        model
-    };
-    let shown = line.values[0];
-    let scale = shown.abs();
+    let model = &search.after.fit.model;
+    let line = seen(model, &model.effects[place]);
+    let scale = line.values[0].abs();
     let part = |sine| Coordinate::Phasor { effect: place, amplitude: 0, sine, scale, sigma: SIGMA };
-    let others = fit.coordinates.iter().filter(|moved| moved.effect() != Some(place)).copied();
-    let moved: Vec<Coordinate> = others.chain([false, true].map(part)).collect();
-    let (origin, start) = (replaced(origin, 0.0), replaced(&fit.model, shown));
-    let fit = refit::polish(problem, &origin, &start, &moved, &search.expected, &fit.noise)?;
-    Ok(Stage { fit, origin })
+    let lines = [line.with("amplitude_rad", 0.0), line];
+    let parts = [false, true].map(part);
+    search.after.instead(problem, &search.expected, place, lines, &parts)
 }
 
 /// What an encoder would have to show for a transmission error; the law of both is `a sin(n q + φ)`.

@@ -63,7 +63,8 @@ fn reordered(
     let new = if own.fract() == 0.0 { found.round().max(1.0) } else { found };
     let mut starts = vec![(&freed.model, new)];
     if line.kind == Kind::EncoderEccentricity {
-        starts.extend(encoder_eccentricity::ORDERS.map(|order| (&fit.model, order)));
+        let others = encoder_eccentricity::ORDERS.into_iter().filter(|order| *order != new);
+        starts.extend(others.map(|order| (&fit.model, order)));
     }
     let possible = parameters[value].low..parameters[value].high;
     let hangs = line.kind == Kind::Cogging && gravity::own_line(&fit.model);

@@ -56,8 +56,8 @@ pub fn twin(
     Ok(twin)
 }
 
-/// Innovations that a model leaves on its own twin, as far as the problem fits. Where noise throws the twin beyond all numbers, they
-/// are what every right filter leaves: white, of variance one.
+/// Innovations that a model leaves on its own twin, as far as the problem fits. Where noise throws the twin
+/// beyond all numbers, they are what every right filter leaves: white, of variance one.
 ///
 /// # Errors
 /// The model cannot be built.
