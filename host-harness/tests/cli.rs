@@ -237,11 +237,12 @@ fn an_interrupt_concludes_with_all_files_and_says_so() {
 #[test]
 fn a_drawn_benchmark_counts_what_it_scored() {
     let folder = tempfile::tempdir().unwrap();
-    let score = "score --simulate 1 --from 2 --seed 5 --out scores --json";
+    let score = "score --simulate 5 --from 2 --only adequate --seed 5 --out scores --json";
     let done = object(&joint(folder.path(), score));
     let shares = &done["summary"]["shares"];
     assert_eq!(done["cases"][0]["truth"], "adequate");
     assert_eq!(done["cases"][0]["case"], "0002");
+    assert_eq!(done["cases"].as_array().unwrap().len(), 1, "the others hide an effect");
     assert_eq!(shares["false_alarms"]["of"], 1);
     assert!(shares.get("named_rightly").is_none(), "no effect was hidden: {shares}");
     let kept: serde_json::Value = serde_json::from_str(

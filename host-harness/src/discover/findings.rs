@@ -10,7 +10,7 @@ use crate::estimate::record::CHANNELS;
 use crate::model::Model;
 
 /// The answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Answer {
     /// Something is missing, it has a name, and with it the model explains the log.
@@ -19,6 +19,17 @@ pub enum Answer {
     Adequate,
     /// Something is missing that no listed effect explains.
     Unknown,
+}
+
+impl Answer {
+    /// Its name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Answer::Effect => "effect",
+            Answer::Adequate => "adequate",
+            Answer::Unknown => "unknown",
+        }
+    }
 }
 
 /// Another name that was considered.

@@ -6,7 +6,7 @@ use super::plot::{Mark, Plot, Series};
 use super::series::bands;
 use super::text::{escape, number};
 use super::{answer, csv, gap, tables};
-use crate::discover::findings::{Answer, Findings};
+use crate::discover::findings::Findings;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -19,11 +19,7 @@ const STRONGEST: usize = 6;
 pub(super) fn page(findings: &Findings) -> String {
     let verdict = &findings.verdict;
     let name = escape(&findings.nominal.name);
-    let class = match verdict.verdict {
-        Answer::Effect => "effect",
-        Answer::Adequate => "adequate",
-        Answer::Unknown => "unknown",
-    };
+    let class = verdict.verdict.name();
     let mut page = format!(
         "<!doctype html>\n<html lang=en><head><meta charset=utf-8>\
          <meta name=viewport content=\"width=device-width\"><title>{name}: {class}</title>\

@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{Case, TrueEffect};
 use crate::demo::actuator;
+use crate::discover::findings::Answer;
 use crate::log::Log;
 use crate::model::{Model, Sensor};
 use crate::reference::ReferenceError;
@@ -40,6 +41,15 @@ pub struct Trial {
     pub withdrawn: Option<Kind>,
 }
 
+/// The right answer of a benchmark's trial number `number`, whatever its seed.
+pub fn answer(number: u64) -> Answer {
+    match number % CYCLE {
+        place if place < NOTHING => Answer::Adequate,
+        place if place < NOTHING + WITHDRAWN => Answer::Unknown,
+        _ => Answer::Effect,
+    }
+}
+
 /// Draws trial number `number` of a benchmark.
 ///
 /// # Errors
@@ -50,10 +60,11 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
     let nominal = perturbed(&truth, random.random());
     let all: Vec<Kind> = kinds().collect();
     let place = number % CYCLE;
+    let answer = answer(number);
     let pairs = NOTHING + WITHDRAWN..NOTHING + WITHDRAWN + PAIRS;
-    let wanted = match place {
-        place if place < NOTHING => 0,
-        place if pairs.contains(&place) => 2,
+    let wanted = match answer {
+        Answer::Adequate => 0,
+        _ if pairs.contains(&place) => 2,
         _ => 1,
     };
     let mut turn = (number / CYCLE * (CYCLE - NOTHING) + place) as usize;
@@ -71,10 +82,8 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
             sizes.push(size);
         }
     }
-    let withdrawn = (NOTHING..NOTHING + WITHDRAWN)
-        .contains(&place)
-        .then(|| effects.first().map(|effect| effect.kind))
-        .flatten();
+    let known = effects.first().map(|effect| effect.kind);
+    let withdrawn = known.filter(|_| answer == Answer::Unknown);
     truth.effects.extend(&effects);
     let experiment = Experiment {
         duration_s: DURATION_S,
@@ -84,14 +93,9 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
         ..Experiment::default()
     };
     let log = record(&truth, &experiment, random.random())?;
-    let verdict = match (effects.is_empty(), withdrawn) {
-        (true, _) => "adequate",
-        (false, Some(_)) => "unknown",
-        (false, None) => "effect",
-    };
     let case = Case {
         case: format!("{number:04}"),
-        verdict: verdict.to_owned(),
+        verdict: answer.name().to_owned(),
         effects: effects.iter().map(told).collect(),
         size: sizes.first().copied(),
     };
@@ -210,10 +214,18 @@ mod tests {
 
     #[test]
     fn a_round_of_trials_has_every_kind_of_answer() {
-        let verdicts: Vec<String> =
-            (0..CYCLE).map(|number| trial(7, number).unwrap().case.verdict).collect();
-        let count = |wanted: &str| verdicts.iter().filter(|verdict| *verdict == wanted).count();
-        assert_eq!((count("adequate"), count("unknown")), (NOTHING as usize, WITHDRAWN as usize));
-        assert_eq!(trial(7, 5).unwrap().case.effects.len(), 2);
+        let trials: Vec<Trial> = (0..CYCLE).map(|number| trial(7, number).unwrap()).collect();
+        for (number, Trial { case, withdrawn, .. }) in (0..).zip(&trials) {
+            let told = match (case.effects.is_empty(), withdrawn) {
+                (true, None) => Answer::Adequate,
+                (false, Some(_)) => Answer::Unknown,
+                (false, None) => Answer::Effect,
+                (true, Some(_)) => panic!("{number}: nothing was withdrawn"),
+            };
+            assert_eq!((answer(number), case.verdict.as_str()), (told, told.name()), "{number}");
+        }
+        let count = |told: Answer| (0..CYCLE).filter(|number| answer(*number) == told).count();
+        assert_eq!((count(Answer::Adequate), count(Answer::Unknown)), (3, 2));
+        assert_eq!(trials[5].case.effects.len(), 2);
     }
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use joint_core::effect::Kind;
 use serde::{Deserialize, Serialize};
 
-use crate::discover::findings::{Answer, Findings, Verdict};
+use crate::discover::findings::{Findings, Verdict};
 use crate::discover::gate::Remainder;
 
 pub use breakdown::{Breakdown, Reliability};
@@ -145,11 +145,7 @@ pub fn files(set: &Path, case: &Case) -> (PathBuf, Vec<PathBuf>) {
 pub fn row(case: &Case, findings: &Findings) -> Row {
     let verdict = &findings.verdict;
     let first = verdict.effects.first();
-    let answer = match verdict.verdict {
-        Answer::Effect => "effect",
-        Answer::Adequate => "adequate",
-        Answer::Unknown => "unknown",
-    };
+    let answer = verdict.verdict.name();
     let named = case.verdict == "effect";
     let hidden: Vec<String> = case.effects.iter().filter(|_| named).map(TrueEffect::name).collect();
     let truth = case.effects.first().filter(|_| case.verdict == "effect");

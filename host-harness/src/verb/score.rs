@@ -2,18 +2,19 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::ThreadPoolBuilder;
 use serde_json::json;
 
 use super::discover::{failure, write};
 use super::{Common, Failure, Outcome, read_log, read_model};
+use crate::discover::findings::Answer;
 use crate::discover::{discover, discover_without};
 use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
-use crate::score::blind::{Trial, trial};
+use crate::score::blind::{Trial, answer, trial};
 use crate::score::{Row, Summary, cases, files, row, rows, table};
 
 /// Run discover over logs whose truth is known, and score it
@@ -24,6 +25,7 @@ use crate::score::{Row, Summary, cases, files, row, rows, table};
 #[command(after_help = "Example:
   joint score --set practice --out scores
   joint score --simulate 48 --out scores
+  joint score --simulate 1600 --only adequate --out false-alarms
   joint score --join here/score.json there/score.json --out both")]
 pub struct Args {
     /// Folder with `truth.json` and a folder a case, each with a log and `nominal.toml`
@@ -38,6 +40,9 @@ pub struct Args {
     /// The first of the draws to run, so that several machines can share one benchmark
     #[arg(long, value_name = "N", default_value_t = 0, requires = "simulate")]
     pub from: u64,
+    /// Only cases of which this is the right answer
+    #[arg(long, value_name = "ANSWER", conflicts_with = "join")]
+    pub only: Option<Answer>,
     /// Score the cases of earlier results together, as of a benchmark shared over machines
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["set", "simulate"])]
     pub join: Vec<PathBuf>,
@@ -58,7 +63,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     interrupt::watch();
     let rows = match (&args.set, args.simulate) {
         (Some(set), _) => of_set(set, args, &out, common)?,
-        (None, Some(count)) => drawn(args.seed, args.from..args.from + count, &out, common)?,
+        (None, Some(count)) => drawn(args, args.from..args.from + count, &out, common)?,
         (None, None) => joined(&args.join)?,
     };
     // An interrupted score is that of the cases before.
@@ -76,7 +81,8 @@ fn joined(paths: &[PathBuf]) -> Result<Vec<Row>, Failure> {
 }
 
 fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<Row>, Failure> {
-    let cases = cases(set, &args.kinds).map_err(Failure::input)?;
+    let mut cases = cases(set, &args.kinds).map_err(Failure::input)?;
+    cases.retain(|case| args.only.is_none_or(|only| only.name() == case.verdict));
     let bar = common.progress(cases.len() as u64, "score");
     let mut rows = Vec::new();
     for case in &cases {
@@ -101,23 +107,23 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
 /// Each trial on one core, as many at once as there are cores: nothing is lost to waiting, and the
 /// seconds of a log are those of a core.
 fn drawn(
-    seed: u64,
+    args: &Args,
     numbers: Range<u64>,
     out: &OutDir,
     common: &Common,
 ) -> Result<Vec<Row>, Failure> {
-    let bar = common.progress(numbers.end - numbers.start, "score");
-    let next = AtomicU64::new(numbers.start);
+    let asked = |number: &u64| args.only.is_none_or(|only| answer(*number) == only);
+    let numbers: Vec<u64> = numbers.filter(asked).collect();
+    let bar = common.progress(numbers.len() as u64, "score");
+    let next = AtomicUsize::new(0);
     let worker = || -> Result<Vec<Row>, Failure> {
         let pool = ThreadPoolBuilder::new().num_threads(1).build();
         let pool = pool.map_err(|error| Failure::check(error.to_string()))?;
         let mut rows = Vec::new();
         while !interrupt::asked() {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            if number >= numbers.end {
-                break;
-            }
-            let row = pool.install(|| one(seed, number, out, common.force))?;
+            let place = next.fetch_add(1, Ordering::Relaxed);
+            let Some(number) = numbers.get(place) else { break };
+            let row = pool.install(|| one(args.seed, *number, out, common.force))?;
             if !interrupt::asked() {
                 bar.inc(1);
                 bar.set_message(row.case.clone());
