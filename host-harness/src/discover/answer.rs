@@ -22,7 +22,8 @@ use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
 use super::reasons::reasons;
-use super::search::{Search, search};
+use super::search::Search;
+use super::timing::search_timed;
 use super::whereabouts::locate;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
@@ -93,14 +94,15 @@ pub fn discover_without(
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
     let tested: Vec<f64> = held_out.iter().map(|held| if *held { 1.0 } else { 0.0 }).collect();
+    let (timed, mut found) = search_timed(record, &fitted, nominal, withdrawn, bar)?;
+    record = timed;
     let problem = Problem::new(&record, &fitted);
-    let mut found = search(problem, nominal, withdrawn, bar)?;
 
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
     if !found.rounds.is_empty() && !interrupt::asked() {
-        let finer = coarse.refined(micro_steps * FINER);
+        let finer = record.refined(micro_steps * FINER);
         if let Some(left) = ask_finer(&Problem::new(&finer, &fitted), &mut found, &remainder)? {
             remainder = left;
             record = finer;

@@ -157,6 +157,7 @@ fn blank(record: &Record, interval: f64, drive_values: Vec<f64>, micro_steps: u3
     Record {
         grid: Grid::new(&time_s, Some(micro_steps)),
         drive: record.drive,
+        lead_s: 0.0,
         load_nm: vec![0.0; drive_values.len()],
         measured: vec![row; drive_values.len()],
         bus_v: None,

@@ -7,6 +7,7 @@ use super::findings::Gap;
 use super::force::relative_force_error;
 use super::search::{Round, Search, title};
 use crate::estimate::record::Record;
+use crate::estimate::timing;
 use crate::model::Model;
 
 /// Why the answer is what it is, in the order in which it was found.
@@ -17,6 +18,7 @@ pub(super) fn reasons(
     complaints: &[String],
 ) -> Vec<String> {
     let mut all = explained(&found.rounds);
+    all.extend(timing::told(record).map(str::to_owned));
     let gravity = found.rounds.iter().find(|round| round.name.0 == Kind::Gravity);
     all.extend(found.constant.zip(gravity).map(|(constant, gravity)| constant.told(gravity.gain)));
     all.extend(

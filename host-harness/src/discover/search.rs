@@ -164,19 +164,18 @@ impl Search {
     }
 }
 
-/// Runs the search.
+/// Runs the search from the nominal's refit.
 ///
 /// # Errors
 /// The nominal cannot be built.
 pub fn search(
     problem: Problem<'_>,
     nominal: &Model,
+    fit: Fit,
     withdrawn: &[Kind],
     bar: &ProgressBar,
 ) -> Result<Search, BuildError> {
-    bar.set_message("refitting the nominal");
     let expected = noise::expected(nominal, problem.record);
-    let fit = refit::refit(&problem, nominal)?;
     let before = Stage { fit, origin: nominal.clone() };
     // Contenders are told apart by tens; the model that is left in the end is polished.
     let last = problem;

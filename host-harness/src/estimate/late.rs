@@ -2,7 +2,7 @@
 //!
 //! A measurement that shows the past belongs to a past state. Shifted by whole samples it is taken
 //! there at once; what is left is less than half a sample, which the encoder's law covers with the
-//! speed.
+//! speed. So it covers what a drive value holds before its sample.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,8 @@ use crate::model::Model;
 pub struct Late<'a> {
     /// Measurements; NaN where the shift leaves none.
     pub measured: Cow<'a, [[f64; CHANNELS]]>,
-    /// Delay that the shift has undone, s.
+    /// Time by which a measurement is ahead of its sample's state, without the delay itself: what the shift
+    /// has undone and what the drive leads by, s.
     pub by: [f64; CHANNELS],
     /// The same in samples.
     pub samples: [isize; CHANNELS],
@@ -29,7 +30,7 @@ impl<'a> Late<'a> {
     pub fn of(model: &Model, record: &'a Record) -> Self {
         let mut late = Self {
             measured: Cow::Borrowed(&record.measured),
-            by: [0.0; CHANNELS],
+            by: [0.0, record.lead_s, record.lead_s],
             samples: [0; CHANNELS],
         };
         if !model.effects.iter().any(|effect| effect.kind == Kind::SensorDelay) {
@@ -42,7 +43,7 @@ impl<'a> Late<'a> {
             let samples = (delay(model, encoder) / interval).round();
             if samples != 0.0 && samples.abs() < record.len() as f64 {
                 let c = channel as usize;
-                late.by[c] = samples * interval;
+                late.by[c] += samples * interval;
                 late.samples[c] = samples as isize;
                 shift(late.measured.to_mut(), record, c, samples as isize);
             }

@@ -23,4 +23,5 @@ pub mod record;
 pub mod refit;
 pub mod slope;
 mod slopes;
+pub mod timing;
 pub mod twin;

@@ -43,8 +43,11 @@ pub struct Record {
     pub time_s: Vec<f64>,
     /// What the drive imposes.
     pub drive: Drive,
-    /// Volts or amperes, held until the next sample.
+    /// Volts or amperes, held from a sample, or a little before it, for an interval.
     pub drive_values: Vec<f64>,
+    /// How long before its sample a drive value begins to hold, s: half an interval where it is a
+    /// measured current, zero where it was imposed.
+    pub lead_s: f64,
     /// Known load at the output, Nm.
     pub load_nm: Vec<f64>,
     /// Measurements by sample and channel; NaN where there is none.
@@ -145,6 +148,7 @@ impl Record {
             time_s: log.time_s.clone(),
             drive,
             drive_values: held(values),
+            lead_s: 0.0,
             load_nm: held(log.load_torque_nm.clone().unwrap_or_else(|| vec![0.0; n])),
             measured,
             bus_v: log.bus_v.clone(),
@@ -184,6 +188,7 @@ impl Record {
             time_s,
             drive: self.drive,
             drive_values: of(&self.drive_values),
+            lead_s: self.lead_s,
             load_nm: of(&self.load_nm),
             measured: kept.iter().map(|k| self.measured[*k]).collect(),
             bus_v: self.bus_v.as_deref().map(of),
@@ -196,6 +201,11 @@ impl Record {
     /// The same record with that many micro-steps in every interval.
     pub fn refined(&self, micro_steps: u32) -> Self {
         Self { grid: Grid::new(&self.time_s, Some(micro_steps)), ..self.clone() }
+    }
+
+    /// The same record with every drive value in the middle of the interval that it stands for.
+    pub fn centred(&self) -> Self {
+        Self { lead_s: 0.5 * self.grid.typical_interval(), ..self.clone() }
     }
 
     /// Number of samples.

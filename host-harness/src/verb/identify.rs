@@ -11,6 +11,7 @@ use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
 use crate::estimate::refit;
+use crate::estimate::timing::{self, timed};
 use crate::log::Need;
 use crate::model::Model;
 use crate::output::OutDir;
@@ -49,16 +50,19 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let coarse = Record::new(&log, None);
     let record = coarse.refined(micro_steps(&model, coarse.grid.interval(0)).max(2));
     let mask = vec![1.0; record.len()];
+    let fitted = |record: &Record| refit::refit(&Problem::new(record, &mask).cautious(), &model);
+    let (record, fit) = timed(record, fitted).map_err(|error| Failure::input(error.to_string()))?;
     let problem = Problem::new(&record, &mask).cautious();
-    let fit = refit::refit(&problem, &model).map_err(|error| Failure::input(error.to_string()))?;
     bar.finish_and_clear();
     let rows = rows(&model, &fit, &problem.covariance(&fit));
-    let json = result(rows.as_slice(), &fit);
+    let json = result(rows.as_slice(), &fit, &record);
     let pretty =
         serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
     out.write("model.toml", fit.model.to_toml())?;
     out.write("identify.json", pretty)?;
-    let text = format!("{}model: {}", table(&rows), out.path().join("model.toml").display());
+    let said = timing::told(&record).map(|told| format!("{told}\n")).unwrap_or_default();
+    let path = out.path().join("model.toml");
+    let text = format!("{}{said}model: {}", table(&rows), path.display());
     Ok(Outcome::done(json, text))
 }
 
@@ -88,7 +92,7 @@ fn rows(nominal: &Model, fit: &Fit, covariance: &DMatrix<f64>) -> Vec<Row> {
         .collect()
 }
 
-fn result(rows: &[Row], fit: &Fit) -> serde_json::Value {
+fn result(rows: &[Row], fit: &Fit, record: &Record) -> serde_json::Value {
     let parameters: Map<_, _> = rows
         .iter()
         .map(|row| {
@@ -111,6 +115,7 @@ fn result(rows: &[Row], fit: &Fit) -> serde_json::Value {
             "rotor_torque_nm": fit.noise.torque,
             "sensors": fit.noise.sensors,
         },
+        "current_lead_s": record.lead_s,
         "deviance": fit.deviance,
     })
 }

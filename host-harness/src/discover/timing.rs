@@ -1,0 +1,87 @@
+//! The search, where the current is the input and may be measured or commanded.
+//!
+//! An encoder that shows the past by more than half an interval hides from the nominal's refit that a
+//! measured current stands for the interval around its sample. The search then names a delay of every
+//! encoder, one for the truth and the others for half an interval.
+
+use indicatif::ProgressBar;
+use joint_core::effect::Kind;
+use joint_core::joint::Drive;
+
+use super::search::{Search, WEAK, search};
+use crate::estimate::fit::Problem;
+use crate::estimate::record::Record;
+use crate::estimate::refit::{cost, refit};
+use crate::estimate::timing::timed;
+use crate::interrupt;
+use crate::model::Model;
+use crate::plant::BuildError;
+
+/// Searches a record by its `fitted` samples, and again with the current taken as measured where the
+/// first search names more than one delay; keeps the likelier answer, where a name that is weak beside
+/// the other search's answer does not count. Gives the record as that search took it.
+///
+/// # Errors
+/// The nominal cannot be built.
+pub(super) fn search_timed(
+    record: Record,
+    fitted: &[f64],
+    nominal: &Model,
+    withdrawn: &[Kind],
+    bar: &ProgressBar,
+) -> Result<(Record, Search), BuildError> {
+    bar.set_message("refitting the nominal");
+    let refitted = |record: &Record| refit(&Problem::new(record, fitted), nominal);
+    let (record, fit) = timed(record, refitted)?;
+    let found = search(Problem::new(&record, fitted), nominal, fit, withdrawn, bar)?;
+    let asked = record.drive == Drive::Voltage || record.lead_s > 0.0;
+    if asked || delays(&found) < 2 || interrupt::asked() {
+        return Ok((record, found));
+    }
+    let centred = record.centred();
+    let fit = refitted(&centred)?;
+    let again = search(Problem::new(&centred, fitted), nominal, fit, withdrawn, bar)?;
+    Ok(match weight(&again) < weight(&found) && !interrupt::asked() {
+        true => (centred, again),
+        false => (record, found),
+    })
+}
+
+/// How many encoders were found to be late.
+fn delays(found: &Search) -> usize {
+    found.rounds.iter().filter(|round| round.name.0 == Kind::SensorDelay).count()
+}
+
+/// What a search's answer costs, its names included.
+fn weight(found: &Search) -> f64 {
+    cost(&found.after.fit) + WEAK * found.rounds.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::EffectParameters;
+    use joint_core::params::Location;
+
+    use super::*;
+    use crate::demo::actuator;
+    use crate::synthetic::{Experiment, record};
+
+    #[test]
+    fn a_late_encoder_does_not_hide_that_the_current_was_measured() {
+        let nominal = actuator();
+        let mut truth = nominal.clone();
+        let late = EffectParameters::new(Kind::SensorDelay, Location::Encoder);
+        truth.effects.push(late.with("delay_s", 7e-4));
+        let second = Experiment { duration_s: 1.0, ..Experiment::default() };
+        let mut log = record(&truth, &second, 3).unwrap();
+        log.voltage_v = None;
+        let record = Record::new(&log, Some(2));
+        let mask = vec![1.0; record.len()];
+        let half = 0.5 * record.grid.typical_interval();
+        let (record, found) =
+            search_timed(record, &mask, &nominal, &[], &ProgressBar::hidden()).unwrap();
+        let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
+        assert_eq!(names, [(Kind::SensorDelay, Location::Encoder)]);
+        assert_eq!(record.lead_s, half);
+    }
+}

@@ -1,0 +1,80 @@
+//! Whether a current that is the input was commanded or measured.
+//!
+//! A command holds from its sample to the next. A measured current is one point of a curve, and stands for
+//! the interval around it: taken as a command it is half an interval late, which looks like encoders that
+//! run ahead. A log does not say which of both it holds; its likelihood does.
+
+use joint_core::joint::Drive;
+
+use super::fit::Fit;
+use super::record::Record;
+use super::refit::cost;
+use crate::plant::BuildError;
+
+/// What a measured current must take from minus twice the log-likelihood to be believed.
+const LEAST: f64 = 60.0;
+
+/// Fits a record, whose current, where it is the input, is taken as measured if that makes the record
+/// likelier by far; else as commanded.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn timed(
+    record: Record,
+    fit: impl Fn(&Record) -> Result<Fit, BuildError> + Sync,
+) -> Result<(Record, Fit), BuildError> {
+    if record.drive == Drive::Voltage {
+        let fit = fit(&record)?;
+        return Ok((record, fit));
+    }
+    let centred = record.centred();
+    let (commanded, measured) = rayon::join(|| fit(&record), || fit(&centred));
+    let (commanded, measured) = (commanded?, measured?);
+    Ok(match cost(&commanded) - cost(&measured) > LEAST {
+        true => (centred, measured),
+        false => (record, commanded),
+    })
+}
+
+/// What a user should know of how the current was taken.
+pub fn told(record: &Record) -> Option<&'static str> {
+    (record.lead_s > 0.0).then_some(
+        "i_a is taken as measured, not as a command: held from half an interval before its sample, it \
+         makes the log likelier",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::fit::Problem;
+    use crate::estimate::refit::refit;
+    use crate::estimate::{noise, twin};
+    use crate::log::Log;
+    use crate::synthetic::{Experiment, record};
+
+    /// How long before its sample the current is taken to hold, in intervals, and the current's log.
+    fn lead(log: &Log) -> f64 {
+        let record = Record::new(log, Some(2));
+        let mask = vec![1.0; record.len()];
+        let (record, _) =
+            timed(record, |record| refit(&Problem::new(record, &mask), &actuator())).unwrap();
+        record.lead_s / record.grid.typical_interval()
+    }
+
+    #[test]
+    fn a_current_that_was_measured_is_told_from_one_that_was_commanded() {
+        let model = actuator();
+        let mut log = record(&model, &Experiment::default(), 3).unwrap();
+        log.voltage_v = None;
+        assert_eq!(lead(&log), 0.5);
+
+        let commanded = Record::new(&log, Some(2));
+        let noise = noise::expected(&model, &commanded);
+        let twin = twin::twin(&model, &commanded, &noise, 1).unwrap();
+        log.motor_angle_rad = twin.measured.iter().map(|row| row[1]).collect();
+        log.output_angle_rad = Some(twin.measured.iter().map(|row| row[2]).collect());
+        assert_eq!(lead(&log), 0.0);
+    }
+}
