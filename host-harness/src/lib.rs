@@ -24,6 +24,7 @@ pub mod report;
 pub mod reproduce;
 pub mod scenario;
 pub mod score;
+pub mod setup;
 pub mod simulated;
 pub mod synthetic;
 pub mod tangent;

@@ -4,6 +4,7 @@
 //! it means and what a missing value looks like is said once. docs/log-format.md describes the
 //! file.
 
+mod doubts;
 mod read;
 mod table;
 mod write;

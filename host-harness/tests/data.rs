@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use host_harness::log::{Log, Need};
 use host_harness::model::Model;
 use host_harness::plant::{Inputs, ScalarKind, simulate};
+use host_harness::setup;
 use joint_tests::data;
 
 /// The model files under a folder, each with the logs beside it.
@@ -37,7 +38,9 @@ fn every_model_reads_back_and_runs_on_every_log_beside_it() {
         assert_eq!(Model::parse(&model.to_toml(), &path).as_ref(), Ok(&model));
         for path in logs {
             let loaded = Log::read(&path, Need::Drive).unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(loaded.warnings, Vec::<String>::new(), "{}", path.display());
+            let doubts = setup::doubts(&model, &loaded.log);
+            let doubts: Vec<&String> = loaded.warnings.iter().chain(&doubts).collect();
+            assert_eq!(doubts, Vec::<&String>::new(), "{}", path.display());
             let inputs = Inputs::from_log(&loaded.log);
             for scalar in [ScalarKind::F64, ScalarKind::F32] {
                 let run = simulate(&model, &inputs, scalar, None, None).unwrap();

@@ -33,6 +33,7 @@ use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{BuildError, micro_steps};
+use crate::setup;
 
 /// Steps of the progress bar.
 pub const STEPS: u64 = 8;
@@ -177,6 +178,11 @@ pub fn discover_without(
             "of {samples} samples {} were looked at, in stretches over the whole log",
             record.len()
         ));
+    }
+    for doubt in logs.iter().flat_map(|log| setup::doubts(nominal, log)) {
+        if !reasons.contains(&doubt) {
+            reasons.insert(0, doubt);
+        }
     }
     if interrupt::asked() {
         reasons.insert(0, "interrupted: this is what was known by then".to_owned());

@@ -108,6 +108,7 @@ impl Table {
             )
             .help(format!("add the voltage as {VOLTAGE} or the current as {CURRENT}")));
         }
+        warnings.extend(log.doubts());
         Ok(Loaded { log, warnings })
     }
 }

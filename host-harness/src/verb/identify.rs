@@ -16,6 +16,7 @@ use crate::log::Need;
 use crate::model::Model;
 use crate::output::OutDir;
 use crate::plant::micro_steps;
+use crate::setup;
 
 /// A parameter whose uncertainty shrank by less than this is not determined by the log.
 const DETERMINED: f64 = 0.7;
@@ -46,6 +47,9 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let model = read_model(&args.model)?;
     let log = read_log(&args.log, Need::Drive)?;
     let out = OutDir::new(&args.out, common.force)?;
+    for doubt in setup::doubts(&model, &log) {
+        eprintln!("warning: {}: {doubt}", args.log.display());
+    }
     let bar = common.progress(0, "refitting");
     let coarse = Record::new(&log, None);
     let record = coarse.refined(micro_steps(&model, coarse.grid.interval(0)).max(2));
