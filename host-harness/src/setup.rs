@@ -102,16 +102,15 @@ fn winding(nominal: &Model, log: &Log, voltage: &[f64], current: &[f64]) -> Vec<
     let emf = back_emf / (2.0 * nominal.motor.back_emf_constant());
     let ohm = resistance / (2.0 * nominal.motor.phase_resistance_ohm);
     let slips = [
-        ("the angle is in degrees, not in radians", 360.0 / TAU, false),
-        ("the angle is in turns, not in radians", TAU, true),
-        ("the angle is electrical, not mechanical", pairs, false),
-        ("the angle is that behind the gear, not the rotor's", reduction.abs(), true),
+        ("the angle is in degrees, not in radians", TAU / 360.0),
+        ("the angle is in turns, not in radians", TAU),
+        ("the angle is electrical, not mechanical", 1.0 / pairs),
+        ("the angle is that behind the gear, not the rotor's", reduction.abs()),
     ];
     let mut all = Vec::new();
     if !(1.0 / FAR..FAR).contains(&emf) {
-        let factor = |(_, by, up): &(&str, f64, bool)| if *up { *by } else { 1.0 / by };
-        let slip = slips.iter().find(|slip| (emf / factor(slip) - 1.0).abs() < NEAR);
-        let why = slip.map_or("is it that motor, and are these its units?".into(), |(what, ..)| {
+        let slip = slips.iter().find(|(_, factor)| (emf / factor - 1.0).abs() < NEAR);
+        let why = slip.map_or("is it that motor, and are these its units?".into(), |(what, _)| {
             format!("it looks as if {what}")
         });
         all.push(format!(

@@ -179,11 +179,10 @@ pub fn discover_without(
             record.len()
         ));
     }
-    for doubt in logs.iter().flat_map(|log| setup::doubts(nominal, log)) {
-        if !reasons.contains(&doubt) {
-            reasons.insert(0, doubt);
-        }
-    }
+    let mut doubts: Vec<_> = logs.iter().flat_map(|log| setup::doubts(nominal, log)).collect();
+    doubts.sort();
+    doubts.dedup();
+    reasons.splice(0..0, doubts);
     if interrupt::asked() {
         reasons.insert(0, "interrupted: this is what was known by then".to_owned());
     }

@@ -55,7 +55,7 @@ fn leaps(angle: &[f64]) -> Vec<usize> {
             let [before, own, after] = [angle[k - 1], angle[*k], angle[k + 1]];
             let off = (own - 0.5 * (before + after)).abs();
             // Most samples are no suspects; a neighbourhood is looked at where one is.
-            let suspect = off > LEAP * (after - before).abs() && off > 0.0;
+            let suspect = off > LEAP * (after - before).abs();
             suspect && {
                 let near = k.saturating_sub(AROUND).max(1)..(k + AROUND).min(angle.len());
                 let others = near.filter(|other| other != k && *other != k + 1).map(step);
