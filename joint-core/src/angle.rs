@@ -8,9 +8,9 @@ use crate::scalar::Scalar;
 
 /// An angle in turns: a whole number and a part between −½ and ½.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Angle<S> {
+pub struct Angle<S: Scalar> {
     /// Whole turns; wraps after 2³¹.
-    pub whole: i32,
+    pub whole: S::Whole,
     /// Part of a turn, −½ to ½.
     pub part: S,
     /// What the sum has lost by rounding, and is still owed; see [`Scalar::summed`].
@@ -21,19 +21,19 @@ impl<S: Scalar> Angle<S> {
     /// From an angle in turns; not for the hot path.
     pub fn from_turns(turns: f64) -> Self {
         let whole = libm::round(turns);
-        Self { whole: whole as i32, part: S::from_f64(turns - whole), lost: S::ZERO }
+        Self { whole: S::whole(whole as i32), part: S::from_f64(turns - whole), lost: S::ZERO }
     }
 
     /// The angle in turns; not for the hot path.
     pub fn to_turns(self) -> f64 {
-        f64::from(self.whole) + self.part.to_f64() - self.lost.lost_to_f64()
+        S::whole_to_f64(self.whole) + self.part.to_f64() - self.lost.lost_to_f64()
     }
 
     /// Adds less than half a turn.
     #[inline]
     pub fn advance(&mut self, turns: S) {
         let (whole, part, lost) = S::summed(self.part, self.lost, turns);
-        self.whole = self.whole.wrapping_add(whole);
+        self.whole = S::counted(self.whole, whole);
         self.part = part;
         self.lost = lost;
     }
@@ -42,7 +42,7 @@ impl<S: Scalar> Angle<S> {
     #[inline]
     pub fn turn(&mut self, speed: S, turns_per_speed: S::Gain) {
         let (whole, part, lost) = S::turned(self.part, self.lost, speed, turns_per_speed);
-        self.whole = self.whole.wrapping_add(whole);
+        self.whole = S::counted(self.whole, whole);
         self.part = part;
         self.lost = lost;
     }

@@ -11,7 +11,7 @@ mod exponential;
 
 use core::ops::{Add, Mul, Neg, Sub};
 
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, single};
 use exponential::interpolated;
 
 /// Binary places of a state.
@@ -166,6 +166,7 @@ impl Fixed {
 
 impl Scalar for Fixed {
     type Gain = Gain;
+    single!();
 
     const LARGEST: f64 = 32.0;
     const LARGEST_GAIN: f64 = 32_768.0;

@@ -271,7 +271,9 @@ impl<S: Scalar> Friction<S> {
         // Twice the speeds' mean and their distance, which is the larger only across standstill.
         let (mean, apart) = ((after + before).abs(), (after - before).abs());
         let share = (apart * S::ELEVEN_TWELFTHS - mean).times(self.corner);
-        let (share, behind) = if apart > mean { (share, after) } else { (S::ZERO, S::ZERO) };
+        let passed = mean.below(apart);
+        let share = S::choose(passed, share, S::ZERO);
+        let behind = S::choose(passed, after, S::ZERO);
         mass.speed = after - behind * (self.reversal * mass.bristle.slipping);
         Turn { share, half }
     }

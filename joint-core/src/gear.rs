@@ -74,10 +74,14 @@ impl<S: Scalar> Spring<S> {
         self.linear + hardened.thrice()
     }
 
-    /// Lets the damper act for half a step on the speeds before and after it.
+    /// Lets the damper act for half a step on the speeds before and after it, where there is contact.
     #[inline(always)]
-    pub(crate) fn damp(&self, before: &mut S, after: &mut S) {
-        let relative = *before - *after;
+    pub(crate) fn damp(&self, before: &mut S, after: &mut S, contact: S) {
+        let touching = S::ZERO.below(contact);
+        if !S::anywhere(touching) {
+            return;
+        }
+        let relative = S::choose(touching, *before - *after, S::ZERO);
         *before = *before - relative.times(self.before);
         *after = *after + relative.times(self.after);
     }

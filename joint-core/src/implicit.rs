@@ -331,7 +331,7 @@ fn own<S: Scalar>(row: &mut Row<S>, pushed: S, held: S) -> S {
     row.missing = row.missing + row.mobility * pushed;
     let free = S::ONE + row.mobility * (row.held + held);
     let least = S::from_f64(LEAST_PIVOT);
-    if free > least { free } else { least }
+    S::choose(least.below(free), free, least)
 }
 
 /// Where the second stage starts.

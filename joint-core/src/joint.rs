@@ -134,7 +134,7 @@ pub struct StageState<S> {
 
 /// All that moves in a joint of `N` stages.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<S, const N: usize> {
+pub struct State<S: Scalar, const N: usize> {
     /// Current in the two conducting phases.
     pub current: S,
     /// Rotor angle.
@@ -445,7 +445,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 }
 
-fn mass_mut<S, const N: usize>(state: &mut State<S, N>, mass: usize) -> Option<&mut Mass<S>> {
+fn mass_mut<S: Scalar, const N: usize>(
+    state: &mut State<S, N>,
+    mass: usize,
+) -> Option<&mut Mass<S>> {
     match mass.checked_sub(1) {
         None => Some(&mut state.rotor),
         Some(k) => state.stages.get_mut(k).map(|stage| &mut stage.mass),

@@ -24,13 +24,16 @@ pub trait Wire {}
 #[cfg(not(feature = "serde"))]
 impl<T> Wire for T {}
 
-/// A number for states, and the constants that multiply it.
+/// A number for states, and the constants that multiply it; or several numbers side by side.
+///
+/// It cannot be compared but by [`Scalar::below`], whose answer chooses between numbers and not
+/// between ways: so the compiler sees to it that no operation count of the step depends on data.
 pub trait Scalar:
     Copy
     + Wire
     + Debug
     + Default
-    + PartialOrd
+    + PartialEq
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
@@ -39,6 +42,10 @@ pub trait Scalar:
 {
     /// A constant of the model; a float is its own gain.
     type Gain: Copy + Debug + Default + PartialEq + Wire + 'static;
+    /// Where something holds: of every number side by side.
+    type Mask: Copy;
+    /// Whole turns.
+    type Whole: Copy + Debug + Default + PartialEq;
 
     /// Where the format's numbers end; infinite for floats, whose end no joint comes near.
     const LARGEST: f64 = f64::INFINITY;
@@ -107,19 +114,31 @@ pub trait Scalar:
     fn exp_minus(self) -> Self;
     /// Sine of an angle in turns, for |turns| ≤ ½; absolute error below 1e-6.
     fn sin_turns(self) -> Self;
+    /// Where it is less than another.
+    fn below(self, other: Self) -> Self::Mask;
+    /// The first where the mask holds, the second elsewhere.
+    fn choose(mask: Self::Mask, there: Self, elsewhere: Self) -> Self;
+    /// Whether a mask holds anywhere.
+    fn anywhere(mask: Self::Mask) -> bool;
+    /// Whole turns from their exact number; not for the hot path.
+    fn whole(turns: i32) -> Self::Whole;
+    /// Their number; not for the hot path.
+    fn whole_to_f64(whole: Self::Whole) -> f64;
+    /// Whole turns and some more; wraps after 2³¹.
+    fn counted(whole: Self::Whole, more: Self::Whole) -> Self::Whole;
     /// Whole turns and the rest between −½ and ½, of an angle in turns between −1 and 1.
-    fn split_turns(self) -> (i32, Self);
+    fn split_turns(self) -> (Self::Whole, Self);
     /// A part of a turn and what it has lost, after less than half a turn more: whole turns, the part
     /// and the loss. A float is summed with compensation; a fixed-point part is exact.
     #[inline]
-    fn summed(part: Self, lost: Self, turns: Self) -> (i32, Self, Self) {
+    fn summed(part: Self, lost: Self, turns: Self) -> (Self::Whole, Self, Self) {
         let (sum, lost) = part.plus(turns, lost);
         let (whole, part) = sum.split_turns();
         (whole, part, lost)
     }
     /// The same after a motion at this speed, with what rounding would take of the product.
     #[inline]
-    fn turned(part: Self, lost: Self, speed: Self, gain: Self::Gain) -> (i32, Self, Self) {
+    fn turned(part: Self, lost: Self, speed: Self, gain: Self::Gain) -> (Self::Whole, Self, Self) {
         Self::summed(part, lost, speed.times(gain))
     }
     /// What a loss is worth, in turns; not for the hot path.
@@ -127,9 +146,14 @@ pub trait Scalar:
         self.to_f64()
     }
     /// The part of `whole · whole_ratio + part · ratio` between −½ and ½ turn.
-    fn wrapped_turns(whole: i32, whole_ratio: Self::Gain, part: Self, ratio: Self::Gain) -> Self;
+    fn wrapped_turns(
+        whole: Self::Whole,
+        whole_ratio: Self::Gain,
+        part: Self,
+        ratio: Self::Gain,
+    ) -> Self;
     /// `(whole + part) · ratio`, for laws that do not repeat with the angle.
-    fn wide_turns(whole: i32, part: Self, ratio: Self::Gain) -> Self;
+    fn wide_turns(whole: Self::Whole, part: Self, ratio: Self::Gain) -> Self;
 
     /// Turns between −½ and ½ from counts of 2⁻³² turn.
     fn from_turn_counts(counts: i32) -> Self;
@@ -221,7 +245,7 @@ pub trait Scalar:
     /// With the sign turned where `direction` is below zero.
     #[inline(always)]
     fn along(self, direction: Self) -> Self {
-        if direction < Self::ZERO { -self } else { self }
+        Self::choose(direction.below(Self::ZERO), -self, self)
     }
 
     /// Whether the number stands at the end of its range, or is none.
@@ -239,6 +263,44 @@ pub trait Scalar:
         let magnitude = self.abs();
         let decayed = (magnitude + magnitude).exp_minus();
         let bent = (Self::ONE - decayed).over(Self::ONE + decayed);
-        if self < Self::ZERO { -bent } else { bent }
+        bent.along(self)
     }
 }
+
+/// One number that can be compared, and whose whole turns are a count: for what is not the step, and
+/// may take its way by the data.
+pub trait Real: Scalar<Mask = bool, Whole = i32> + PartialOrd {}
+impl<T: Scalar<Mask = bool, Whole = i32> + PartialOrd> Real for T {}
+
+/// What a single number answers where several would answer one by one.
+macro_rules! single {
+    () => {
+        type Mask = bool;
+        type Whole = i32;
+
+        #[inline(always)]
+        fn below(self, other: Self) -> bool {
+            self < other
+        }
+        #[inline(always)]
+        fn choose(mask: bool, there: Self, elsewhere: Self) -> Self {
+            if mask { there } else { elsewhere }
+        }
+        #[inline(always)]
+        fn anywhere(mask: bool) -> bool {
+            mask
+        }
+        fn whole(turns: i32) -> i32 {
+            turns
+        }
+        fn whole_to_f64(whole: i32) -> f64 {
+            f64::from(whole)
+        }
+        #[inline(always)]
+        fn counted(whole: i32, more: i32) -> i32 {
+            whole.wrapping_add(more)
+        }
+    };
+}
+
+pub(crate) use single;

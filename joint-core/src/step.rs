@@ -47,7 +47,7 @@ impl<S: Scalar, const N: usize> Each<S, N> {
 
 /// The mass that carries the load.
 #[inline(always)]
-fn last<S, const N: usize>(state: &mut State<S, N>) -> &mut Mass<S> {
+fn last<S: Scalar, const N: usize>(state: &mut State<S, N>) -> &mut Mass<S> {
     match state.stages.last_mut() {
         Some(stage) => &mut stage.mass,
         None => &mut state.rotor,
@@ -390,9 +390,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for ((stage, own), contact) in
             state.stages.iter_mut().zip(&self.stages).zip(&gradient.contact)
         {
-            if *contact > S::ZERO {
-                own.spring.damp(before, &mut stage.mass.speed);
-            }
+            own.spring.damp(before, &mut stage.mass.speed, *contact);
             before = &mut stage.mass.speed;
         }
     }
@@ -405,13 +403,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut stages = state.stages.as_mut_slice();
         for (own, contact) in rows {
             let Some((after, others)) = stages.split_last_mut() else { return };
-            if *contact > S::ZERO {
-                let before = match others.last_mut() {
-                    Some(stage) => &mut stage.mass.speed,
-                    None => &mut state.rotor.speed,
-                };
-                own.spring.damp(before, &mut after.mass.speed);
-            }
+            let before = match others.last_mut() {
+                Some(stage) => &mut stage.mass.speed,
+                None => &mut state.rotor.speed,
+            };
+            own.spring.damp(before, &mut after.mass.speed, *contact);
             stages = others;
         }
     }

@@ -50,9 +50,9 @@ impl<S: Scalar> Effects<S> for Worm<S> {
         if mass != usize::from(self.mass) {
             return S::ONE;
         }
-        let drives = (at.speed < S::ZERO) == (at.passed_on < S::ZERO);
-        let share = if drives { self.driving } else { self.driven };
-        S::ONE.over(S::ONE + at.passed_on.abs().times(share))
+        let (helps, load) = (at.passed_on.along(at.speed).below(S::ZERO), at.passed_on.abs());
+        let share = S::choose(helps, load.times(self.driven), load.times(self.driving));
+        S::ONE.over(S::ONE + share)
     }
 }
 

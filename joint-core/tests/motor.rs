@@ -6,7 +6,7 @@ use joint_core::motor::commutation::{SECTORS, from_hall, hall};
 use joint_core::motor::inverter::Amplifier;
 use joint_core::motor::six_step::{Command, SixStep, SixStepState};
 use joint_core::params::{Friction, Load, Motor, Table};
-use joint_core::scalar::Scalar;
+use joint_core::scalar::Real;
 use proptest::prelude::*;
 
 /// A 6 mm micromotor.
@@ -39,13 +39,13 @@ fn amplifier(bus_v: f64) -> Amplifier {
     }
 }
 
-fn six_step<S: Scalar>(motor: &Motor, amplifier: &Amplifier) -> SixStep<S, 0> {
+fn six_step<S: Real>(motor: &Motor, amplifier: &Amplifier) -> SixStep<S, 0> {
     SixStep::with(motor, &[], &Load::default(), amplifier, |_| Some(())).unwrap()
 }
 
 /// Rotor speed, rad/s, and current where no commutation was under way, A: means over the second
 /// half of 0.1 s.
-fn settled<S: Scalar>(motor: &Motor, amplifier: &Amplifier, command: Command<S>) -> [f64; 2] {
+fn settled<S: Real>(motor: &Motor, amplifier: &Amplifier, command: Command<S>) -> [f64; 2] {
     let joint = six_step::<S>(motor, amplifier);
     let mut state = joint.rest();
     let (mut speed, mut current, mut counted) = (0.0, 0.0, 0);

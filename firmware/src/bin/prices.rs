@@ -18,7 +18,7 @@ mod on_board {
     use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind};
     use joint_core::joint::{Drive, Joint, Method, Settings};
     use joint_core::params::{Load, Location, Stage};
-    use joint_core::scalar::Scalar;
+    use joint_core::scalar::{Real, Scalar};
     use micromath::F32Ext;
     use semihosting::println;
 
@@ -198,7 +198,7 @@ mod on_board {
     }
 
     /// A step of the assumed joint.
-    fn whole<S: Scalar>(counter: &InstructionCounter, method: Method, micro_steps: u32) -> u32 {
+    fn whole<S: Real>(counter: &InstructionCounter, method: Method, micro_steps: u32) -> u32 {
         let asked = Settings {
             method: Some(method),
             micro_steps: Some(micro_steps),
@@ -221,7 +221,7 @@ mod on_board {
     }
 
     #[inline(never)]
-    fn most<S: Scalar, const N: usize, E: Effects<S>>(
+    fn most<S: Real, const N: usize, E: Effects<S>>(
         counter: &InstructionCounter,
         joint: &Joint<S, N, E>,
     ) -> u32 {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::observer::{Gains, Observer, Sample, Turn};
-use joint_core::scalar::Scalar;
+use joint_core::scalar::Real;
 
 use super::design::{Tuning, design};
 use super::judge::shown;
@@ -40,7 +40,7 @@ fn rating(model: &Model) -> Rating {
 ///
 /// # Errors
 /// The model cannot be observed.
-pub fn observer<S: Scalar>() -> Result<Observer<S, 2>, BuildError> {
+pub fn observer<S: Real>() -> Result<Observer<S, 2>, BuildError> {
     let model = model(STEP_S);
     let design = design::<2>(&model, Drive::Voltage, STEP_S, &rating(&model), &Tuning::default())?;
     let stages = [model.stages[0], model.stages[1]];
@@ -83,7 +83,7 @@ pub fn log() -> Result<Vec<Seen>, BuildError> {
 }
 
 /// A sample as the drive has it; what is missing in fixed point, which has no such number, is zero.
-pub fn sample<S: Scalar>(seen: &Seen) -> Sample<S> {
+pub fn sample<S: Real>(seen: &Seen) -> Sample<S> {
     let turn = |angle: f64| angle.is_finite().then(|| Turn::from_turns(angle / TAU));
     Sample {
         drive: S::from_f64(seen.drive),

@@ -8,7 +8,7 @@ use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::observer::{Design, Estimate, Gains, Observer, Sample, Spread, Track, Turn};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::Bases;
-use joint_core::scalar::Scalar;
+use joint_core::scalar::Real;
 
 use crate::model::Model;
 use crate::plant::micro_steps;
@@ -49,7 +49,7 @@ pub fn settings(model: &Model, kind: Drive, step_s: f64) -> Settings<'_> {
 ///
 /// # Errors
 /// A parameter that the equations cannot take.
-pub fn observer<S: Scalar, const N: usize>(
+pub fn observer<S: Real, const N: usize>(
     model: &Model,
     kind: Drive,
     step_s: f64,
@@ -64,7 +64,7 @@ pub fn observer<S: Scalar, const N: usize>(
 
 /// Runs an observer over samples that stand `steps` steps after one another; a sample that is late
 /// finds the steps before it without a measurement.
-pub fn run<S: Scalar, const N: usize>(
+pub fn run<S: Real, const N: usize>(
     observer: &Observer<S, N, EffectSet<S>>,
     samples: &[Seen],
     steps: &[u32],
@@ -86,7 +86,7 @@ pub fn run_fixed<const N: usize>(
     })
 }
 
-fn run_with<S: Scalar, const N: usize>(
+fn run_with<S: Real, const N: usize>(
     observer: &Observer<S, N, EffectSet<S>>,
     samples: &[Seen],
     steps: &[u32],
@@ -125,7 +125,7 @@ fn run_with<S: Scalar, const N: usize>(
     found
 }
 
-fn in_f64<S: Scalar, const N: usize>(e: &Estimate<S, N>) -> Estimate<f64, N> {
+fn in_f64<S: Real, const N: usize>(e: &Estimate<S, N>) -> Estimate<f64, N> {
     let s = &e.spread;
     Estimate {
         motor_velocity: e.motor_velocity.to_f64(),

@@ -141,6 +141,8 @@ impl<const L: usize> PartialOrd for Dual<L> {
 
 impl<const L: usize> Scalar for Dual<L> {
     type Gain = Self;
+    type Mask = bool;
+    type Whole = i32;
 
     const ZERO: Self = Self::constant(f64::ZERO);
     const ONE: Self = Self::constant(f64::ONE);
@@ -192,6 +194,28 @@ impl<const L: usize> Scalar for Dual<L> {
     fn sin_turns(self) -> Self {
         let slope = std::f64::consts::TAU * self.value.cos_turns();
         self.mapped(self.value.sin_turns(), slope)
+    }
+    #[inline(always)]
+    fn below(self, other: Self) -> bool {
+        self.value < other.value
+    }
+    #[inline(always)]
+    fn choose(mask: bool, there: Self, elsewhere: Self) -> Self {
+        if mask { there } else { elsewhere }
+    }
+    #[inline(always)]
+    fn anywhere(mask: bool) -> bool {
+        mask
+    }
+    fn whole(turns: i32) -> i32 {
+        turns
+    }
+    fn whole_to_f64(whole: i32) -> f64 {
+        f64::from(whole)
+    }
+    #[inline(always)]
+    fn counted(whole: i32, more: i32) -> i32 {
+        whole.wrapping_add(more)
     }
     #[inline(always)]
     fn split_turns(self) -> (i32, Self) {

@@ -57,21 +57,19 @@ impl<S: Scalar> Effects<S> for AsymmetricFriction<S> {
     #[inline]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
         let [forward, backward] = self.inverse_level;
-        match mass == usize::from(self.mass) {
-            true if at.speed < S::ZERO => backward,
-            true => forward,
-            false => S::ONE,
+        if mass != usize::from(self.mass) {
+            return S::ONE;
         }
+        S::choose(at.speed.below(S::ZERO), backward, forward)
     }
 
     #[inline]
     fn viscous(&self, mass: usize, speed: S, _memory: &Memory<S>) -> S {
         let [forward, backward] = self.viscous;
-        match mass == usize::from(self.mass) {
-            true if speed < S::ZERO => backward,
-            true => forward,
-            false => S::ONE,
+        if mass != usize::from(self.mass) {
+            return S::ONE;
         }
+        S::choose(speed.below(S::ZERO), backward, forward)
     }
 }
 

@@ -42,16 +42,19 @@ impl<S: Scalar> Effects<S> for Backlash<S> {
 
     #[inline]
     fn stage(&self, stage: usize, deflection: S, _input: Angle<S>) -> Felt<S> {
-        let (felt, contact) = if stage != usize::from(self.stage) {
-            (deflection, S::ONE)
-        } else if deflection > self.half_width {
-            (deflection - self.half_width, S::ONE)
-        } else if deflection < -self.half_width {
-            (deflection + self.half_width, S::ONE)
-        } else {
-            (S::ZERO, S::ZERO)
+        if stage != usize::from(self.stage) {
+            return Felt { deflection, contact: S::ONE, leverage: S::ONE };
+        }
+        let (above, below) =
+            (self.half_width.below(deflection), deflection.below(-self.half_width));
+        let chosen = |above_it, below_it| {
+            S::choose(above, above_it, S::choose(below, below_it, S::ZERO))
         };
-        Felt { deflection: felt, contact, leverage: S::ONE }
+        Felt {
+            deflection: chosen(deflection - self.half_width, deflection + self.half_width),
+            contact: chosen(S::ONE, S::ONE),
+            leverage: S::ONE,
+        }
     }
 }
 

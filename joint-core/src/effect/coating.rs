@@ -93,7 +93,7 @@ impl<S: Scalar> Effects<S> for Coating<S> {
     #[inline]
     fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
         let moved = flow.speed(usize::from(self.mass)).times(self.per_width);
-        let target = if moved < S::ZERO { -S::ONE } else { S::ONE };
+        let target = S::ONE.along(moved);
         each(Relaxation { slot: self.slot, reach: moved.abs(), target });
     }
 }

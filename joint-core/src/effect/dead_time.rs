@@ -50,16 +50,14 @@ impl<S: Scalar> DeadTime<S> {
     #[inline]
     fn drop(&self, current: S, per_drop: S) -> S {
         let lost = self.drop * per_drop;
-        if lost <= S::ZERO {
+        if !S::anywhere(S::ZERO.below(lost)) {
             return self.drop * current.times(self.per_softening).tanh();
         }
         // i + lost·sat(i/i_s) = current has this solution; one Newton step brings tanh in.
         let reach = lost + self.softening;
-        let share = if current.abs() >= reach {
-            if current < S::ZERO { -S::ONE } else { S::ONE }
-        } else {
-            current.ratio(reach)
-        };
+        let within = current.abs().below(reach);
+        let share = S::choose(within, current, S::ZERO).ratio(reach);
+        let share = S::choose(within, share, S::ONE.along(current));
         let flowing = current - lost * share;
         let bent = flowing.times(self.per_softening).tanh();
         let steepness = lost.times(self.per_softening) * (S::ONE - bent * bent);

@@ -16,7 +16,7 @@ pub type Memory<S> = [S; MEMORIES];
 
 /// The motion of one mass. The angle is the mass's own.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<S> {
+pub struct Motion<S: Scalar> {
     /// Angle of this mass modulo its own turns.
     pub angle: Angle<S>,
     /// The same angle with all its turns, for laws that do not repeat.
@@ -57,7 +57,7 @@ pub struct Felt<S> {
 
 /// Where a friction level is asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Rubbing<S> {
+pub struct Rubbing<S: Scalar> {
     /// Speed of the mass.
     pub speed: S,
     /// Torque that reaches the mass: its stage's, spring and damper; the motor torque for the

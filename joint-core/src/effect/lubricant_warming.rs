@@ -68,7 +68,7 @@ impl<S: Scalar> Effects<S> for LubricantWarming<S> {
         match memory.get(usize::from(self.slot)) {
             Some(warm) if mass == usize::from(self.mass) => {
                 let left = S::ONE - warm.times(self.fall);
-                if left < self.least { self.least } else { left }
+                S::choose(left.below(self.least), self.least, left)
             }
             _ => S::ONE,
         }

@@ -72,7 +72,7 @@ impl<S: Scalar> Effects<S> for StructuralHysteresis<S> {
     fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
         let stage = usize::from(self.stage);
         let moved = (flow.speed(stage) - flow.speed(stage + 1)).times(self.per_width);
-        let target = if moved < S::ZERO { -S::ONE } else { S::ONE };
+        let target = S::ONE.along(moved);
         each(Relaxation { slot: self.slot, reach: moved.abs(), target });
     }
 }

@@ -4,7 +4,7 @@
 //! them. Angles are electrical and in turns, so that wrapping is free. Phase a stands at θe, b at
 //! θe − ⅓ and c at θe + ⅓.
 
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// How far phases b and c are displaced, turns.
 pub const THIRD: f64 = 1.0 / 3.0;
@@ -21,7 +21,7 @@ pub const fn shape(turns: f64) -> f64 {
 
 /// f of the phases a, b and c at an electrical angle in turns, −½ to ½.
 #[inline]
-pub fn of_phases<S: Scalar>(turns: S) -> [S; 3] {
+pub fn of_phases<S: Real>(turns: S) -> [S; 3] {
     let third = S::from_f64(THIRD);
     let [(_, b), (_, c)] = [(turns - third).split_turns(), (turns + third).split_turns()];
     [of_phase(turns), of_phase(b), of_phase(c)]
@@ -29,7 +29,7 @@ pub fn of_phases<S: Scalar>(turns: S) -> [S; 3] {
 
 /// f at an electrical angle in turns, −½ to ½.
 #[inline]
-pub fn of_phase<S: Scalar>(turns: S) -> S {
+pub fn of_phase<S: Real>(turns: S) -> S {
     let quarter = S::HALF * S::HALF;
     let (_, from_middle) = (turns - S::from_f64(1.0 / 6.0)).split_turns();
     let ramp = quarter - from_middle.abs();

@@ -6,7 +6,7 @@
 //! against motion, the same two phases carry current the other way.
 
 use super::back_emf::{THIRD, shape};
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// A phase by its place in every array of three: a, b, c.
 pub type Phase = usize;
@@ -71,7 +71,7 @@ const fn conduction(turns: f64) -> Conduction {
 
 /// What the hall sensors show at an electrical angle in turns, −½ to ½.
 #[inline]
-pub fn hall<S: Scalar>(turns: S) -> u8 {
+pub fn hall<S: Real>(turns: S) -> u8 {
     let [sixth, third] = [S::from_f64(1.0 / 6.0), S::from_f64(THIRD)];
     let sector = if turns < S::ZERO {
         if turns < -third {

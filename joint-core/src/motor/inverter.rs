@@ -9,7 +9,7 @@
 use super::commutation::Conduction;
 use super::three_phase::Leg;
 use crate::params::{Check, Motor, ParameterError, Reason, Table};
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// A servo amplifier.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ pub struct Interval<S> {
 
 /// The four parts of a period at a duty from −1 to 1; `dead` is the dead time's share.
 #[inline]
-pub fn period<S: Scalar>(conduction: Conduction, duty: S, dead: S) -> [Interval<S>; 4] {
+pub fn period<S: Real>(conduction: Conduction, duty: S, dead: S) -> [Interval<S>; 4] {
     let conduction = if duty < S::ZERO { conduction.reversed() } else { conduction };
     let on = duty.abs();
     let legs = |chopped: Leg| {
@@ -99,12 +99,12 @@ pub fn period<S: Scalar>(conduction: Conduction, duty: S, dead: S) -> [Interval<
 
 /// The current loop, per-unit: currents in bus/R, voltages as duty.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurrentLoop<S: Scalar> {
+pub struct CurrentLoop<S: Real> {
     proportional: S::Gain,
     integral: S::Gain,
 }
 
-impl<S: Scalar> CurrentLoop<S> {
+impl<S: Real> CurrentLoop<S> {
     /// For a plant `2R i + 2L di/dt`: gains 2Lω and 2Rω at bandwidth ω.
     pub fn new(amplifier: &Amplifier, lag_s: f64) -> Self {
         let bandwidth = amplifier.current_bandwidth_rad_per_s;
@@ -127,7 +127,7 @@ impl<S: Scalar> CurrentLoop<S> {
 }
 
 /// Limited to ±1.
-pub(super) fn clamped<S: Scalar>(value: S) -> S {
+pub(super) fn clamped<S: Real>(value: S) -> S {
     if value > S::ONE {
         S::ONE
     } else if value < -S::ONE {

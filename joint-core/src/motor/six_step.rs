@@ -14,7 +14,7 @@ use crate::effect::Effects;
 use crate::joint::{Drive, Joint, Settings, State};
 use crate::params::{Load, Motor, ParameterError, Stage};
 use crate::per_unit::Bases;
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// What is asked of the amplifier for one period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub enum Command<S> {
 
 /// A joint of `N` stages with effects `E` behind its motor's three phases.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SixStep<S: Scalar, const N: usize, E = ()> {
+pub struct SixStep<S: Real, const N: usize, E = ()> {
     joint: Joint<S, N, E>,
     current_loop: CurrentLoop<S>,
     pole_pairs: Ratio<S>,
@@ -48,7 +48,7 @@ pub struct SixStep<S: Scalar, const N: usize, E = ()> {
 
 /// All that moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SixStepState<S, const N: usize> {
+pub struct SixStepState<S: Real, const N: usize> {
     /// The joint.
     pub joint: State<S, N>,
     /// Currents, and what flowed in the last period; per-unit.
@@ -64,7 +64,7 @@ pub struct SixStepState<S, const N: usize> {
     before: S,
 }
 
-impl<S: Scalar, const N: usize, E: Effects<S>> SixStep<S, N, E> {
+impl<S: Real, const N: usize, E: Effects<S>> SixStep<S, N, E> {
     /// A joint behind its motor; `effects` are made in the joint's units.
     ///
     /// # Errors
@@ -190,7 +190,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> SixStep<S, N, E> {
     }
 }
 
-fn limited<S: Scalar>(value: S, limit: S) -> S {
+fn limited<S: Real>(value: S, limit: S) -> S {
     if value > limit {
         limit
     } else if value < -limit {

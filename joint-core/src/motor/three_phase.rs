@@ -10,7 +10,7 @@
 //! Units: voltage of the bus, current bus/R, speed bus/k_e, torque `k_t/2` times a current.
 
 use super::back_emf;
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// Most parts that one interval is divided into.
 const MOST_PARTS: usize = 6;
@@ -41,7 +41,7 @@ pub struct Phases<S> {
     pub heat: S,
 }
 
-impl<S: Scalar> Phases<S> {
+impl<S: Real> Phases<S> {
     /// Forgets what flowed; the currents stay.
     pub fn clear(&mut self) {
         *self = Self { current: self.current, ..Self::default() };
@@ -54,7 +54,7 @@ impl<S: Scalar> Phases<S> {
 }
 
 /// Voltage of a phase's terminal over one part of an interval; `None` where nothing flows.
-fn terminal<S: Scalar>(leg: Leg, current: S) -> Option<S> {
+fn terminal<S: Real>(leg: Leg, current: S) -> Option<S> {
     match leg {
         Leg::High => Some(S::ONE),
         Leg::Low => Some(S::ZERO),
@@ -66,7 +66,7 @@ fn terminal<S: Scalar>(leg: Leg, current: S) -> Option<S> {
 }
 
 /// Mean of `u − e` over the conducting phases, the star's voltage.
-fn star<S: Scalar>(voltages: &[Option<S>; 3], emf: &[S; 3]) -> Option<S> {
+fn star<S: Real>(voltages: &[Option<S>; 3], emf: &[S; 3]) -> Option<S> {
     let third = S::from_f64(1.0 / 3.0);
     let (mut sum, mut conducting) = (S::ZERO, 0);
     for (voltage, e) in voltages.iter().zip(emf) {
@@ -84,7 +84,7 @@ fn star<S: Scalar>(voltages: &[Option<S>; 3], emf: &[S; 3]) -> Option<S> {
 }
 
 /// Closes the diode of an idle phase whose terminal has left the rails.
-fn let_conduct<S: Scalar>(voltages: &mut [Option<S>; 3], emf: &[S; 3]) {
+fn let_conduct<S: Real>(voltages: &mut [Option<S>; 3], emf: &[S; 3]) {
     let Some(star) = star(voltages, emf) else {
         return between_two(voltages, emf);
     };
@@ -100,7 +100,7 @@ fn let_conduct<S: Scalar>(voltages: &mut [Option<S>; 3], emf: &[S; 3]) {
 }
 
 /// With every phase open and idle, only a line-to-line EMF above the bus makes current flow.
-fn between_two<S: Scalar>(voltages: &mut [Option<S>; 3], emf: &[S; 3]) {
+fn between_two<S: Real>(voltages: &mut [Option<S>; 3], emf: &[S; 3]) {
     let most = emf.iter().fold(emf[0], |most, e| if *e > most { *e } else { most });
     let least = emf.iter().fold(emf[0], |least, e| if *e < least { *e } else { least });
     if most - least > S::ONE {
@@ -116,7 +116,7 @@ fn between_two<S: Scalar>(voltages: &mut [Option<S>; 3], emf: &[S; 3]) {
 
 /// Carries the phases over one interval of `duration` lags in which nothing switches, at an
 /// electrical angle (turns, −½ to ½) and speed held at their values in its middle.
-pub fn advance<S: Scalar>(phases: &mut Phases<S>, legs: [Leg; 3], turns: S, speed: S, duration: S) {
+pub fn advance<S: Real>(phases: &mut Phases<S>, legs: [Leg; 3], turns: S, speed: S, duration: S) {
     let shape = back_emf::of_phases(turns);
     let emf = shape.map(|f| speed * f);
     let mut left = duration;
@@ -146,7 +146,7 @@ pub fn advance<S: Scalar>(phases: &mut Phases<S>, legs: [Leg; 3], turns: S, spee
 }
 
 /// When the first open phase runs out of current, in lags, and which it is.
-fn first_zero<S: Scalar>(
+fn first_zero<S: Real>(
     legs: [Leg; 3],
     current: &[S; 3],
     settled: &[S; 3],
@@ -171,7 +171,7 @@ fn first_zero<S: Scalar>(
 /// When a current of this magnitude is zero that tends to `beyond` on the other side and would be
 /// at `end` after `left`: `e^−y = r` with `r = beyond/(current + beyond)`, from the chord by
 /// `ln(e/r) = 2 artanh((e − r)/(e + r))`.
-fn zero_after<S: Scalar>(current: S, beyond: S, end: S, left: S) -> S {
+fn zero_after<S: Real>(current: S, beyond: S, end: S, left: S) -> S {
     let span = current + end;
     if span <= S::ZERO {
         return S::ZERO;
@@ -199,7 +199,7 @@ fn zero_after<S: Scalar>(current: S, beyond: S, end: S, left: S) -> S {
 }
 
 /// Every current over `length` lags towards what it settles at, and what flows meanwhile.
-fn carry<S: Scalar>(
+fn carry<S: Real>(
     phases: &mut Phases<S>,
     voltages: &[Option<S>; 3],
     settled: &[S; 3],
@@ -223,7 +223,7 @@ fn carry<S: Scalar>(
 }
 
 /// Makes a phase's current exactly zero and keeps the sum of the others so.
-fn stop<S: Scalar>(current: &mut [S; 3], phase: usize) {
+fn stop<S: Real>(current: &mut [S; 3], phase: usize) {
     let mut rest = S::ZERO;
     let mut last = None;
     for (k, i) in current.iter_mut().enumerate() {
@@ -242,6 +242,7 @@ fn stop<S: Scalar>(current: &mut [S; 3], phase: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scalar::Scalar;
 
     /// Equation (9) by small explicit steps, all phases driven, R = L = 1.
     fn printed(u: [f64; 3], e: [f64; 3], mut i: [f64; 2], duration: f64) -> [f64; 2] {

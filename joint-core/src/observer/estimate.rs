@@ -4,7 +4,7 @@ use super::gains::{Regime, Spread};
 use super::health::Status;
 use super::{Observer, Track};
 use crate::effect::Effects;
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// What no sensor measures, at one sampling instant; every quantity at its own side of the gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub struct Estimate<S, const N: usize> {
     pub status: Status,
 }
 
-impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
+impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// Reads the estimate that the last [`Observer::update`] left. In fixed point most of it would
     /// leave the range: read [`Observer::reading`] there.
     pub fn estimate(&self, track: &Track<S, N>) -> Estimate<S, N> {

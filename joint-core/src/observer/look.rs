@@ -10,7 +10,7 @@ use super::turn::Turn;
 use super::{Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::State;
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// Surprises after which winding and magnets are no longer taken to be known: a dip under a drive that
 /// moves has dozens.
@@ -25,7 +25,7 @@ pub(super) struct Looked<S> {
     pub(super) blind: bool,
 }
 
-impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
+impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none to believe; and the flags that
     /// go with them.
     #[inline(always)]
@@ -141,13 +141,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
 
 /// Whether a sample shows the very same measurements as the one before.
 #[inline(always)]
-fn repeats<S: Scalar>(sample: &Sample<S>, last: &Sample<S>) -> bool {
+fn repeats<S: Real>(sample: &Sample<S>, last: &Sample<S>) -> bool {
     sample.motor == last.motor && sample.output == last.output && sample.current == last.current
 }
 
 /// By how much the measured rotor angle is ahead of the estimated one, in turns.
 #[inline(always)]
-pub(super) fn motor_ahead<S: Scalar, const N: usize, E: Effects<S>>(
+pub(super) fn motor_ahead<S: Real, const N: usize, E: Effects<S>>(
     effects: &E,
     state: &State<S, N>,
     turn: Turn,
@@ -158,7 +158,7 @@ pub(super) fn motor_ahead<S: Scalar, const N: usize, E: Effects<S>>(
 
 /// By how much the measured output angle is ahead of the estimated one, in turns of the output.
 #[inline(always)]
-fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
+fn output_ahead<S: Real, const N: usize, E: Effects<S>>(
     effects: &E,
     gains: &Gains<S, N>,
     turns: S::Gain,
@@ -177,6 +177,6 @@ fn output_ahead<S: Scalar, const N: usize, E: Effects<S>>(
 /// The bound that a value is past.
 #[cold]
 #[inline(never)]
-pub(super) fn at_bound<S: Scalar>(value: S, most: S) -> S {
+pub(super) fn at_bound<S: Real>(value: S, most: S) -> S {
     if value < S::ZERO { -most } else { most }
 }

@@ -34,7 +34,7 @@ pub use health::Status;
 pub use turn::{Encoder, Geared, Turn};
 
 use crate::joint::{Joint, State};
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// What the drive knows at one sampling instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,7 +54,7 @@ pub struct Sample<S> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = "E: crate::scalar::Wire"))]
-pub struct Observer<S: Scalar, const N: usize, E = ()> {
+pub struct Observer<S: Real, const N: usize, E = ()> {
     /// The model.
     pub joint: Joint<S, N, E>,
     /// What corrects it.
@@ -63,7 +63,7 @@ pub struct Observer<S: Scalar, const N: usize, E = ()> {
 
 /// What an observer remembers of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Track<S, const N: usize> {
+pub struct Track<S: Real, const N: usize> {
     /// The joint's state.
     pub state: State<S, N>,
     /// Load, per-unit at the motor.

@@ -9,7 +9,7 @@ use super::look::{Looked, at_bound, motor_ahead};
 use super::{Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::{Input, Mass, State};
-use crate::scalar::Scalar;
+use crate::scalar::Real;
 
 /// Rotor angles that may be off, one after the other, before the estimate is given up.
 const DOUBTS: u16 = 4;
@@ -22,14 +22,14 @@ const FIRST: u16 = 8;
 /// Steps for which friction must have held the rotor before that is a rest and no reversal.
 const STILL: u16 = 10;
 
-impl<S, const N: usize> Track<S, N> {
+impl<S: Real, const N: usize> Track<S, N> {
     /// What the last update said of itself.
     pub fn status(&self) -> Status {
         self.status
     }
 }
 
-impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
+impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// An observer that knows nothing yet but the rotor's whole turns since both encoders were
     /// zeroed together.
     pub fn start(&self, rotor_turns: i32) -> Track<S, N> {
@@ -357,7 +357,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Observer<S, N, E> {
 
 /// Holds a value to its bound; answers whether it was past it.
 #[inline(always)]
-fn bounded<S: Scalar>(value: &mut S, most: S) -> bool {
+fn bounded<S: Real>(value: &mut S, most: S) -> bool {
     let past = value.abs() > most;
     if past {
         *value = at_bound(*value, most);

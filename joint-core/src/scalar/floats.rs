@@ -3,7 +3,7 @@
 //! Exponential, sine and Stribeck curve are polynomials of the length that their float can show: a
 //! drive's mathematics library would take several times as long.
 
-use super::Scalar;
+use super::{Scalar, single};
 
 /// Sine of |turns| ≤ ½. It is mirrored about a quarter turn, and so is `p = x (½ − |x|)`, of which it
 /// is a smooth odd function: the polynomial gives sine over p, and there is no quadrant to look up.
@@ -31,6 +31,7 @@ const CUBE: f64 = 0.036826556131;
 
 impl Scalar for f32 {
     type Gain = f32;
+    single!();
 
     const ZERO: f32 = 0.0;
     const ONE: f32 = 1.0;
@@ -141,6 +142,7 @@ impl Scalar for f32 {
 
 impl Scalar for f64 {
     type Gain = f64;
+    single!();
 
     const ZERO: f64 = 0.0;
     const ONE: f64 = 1.0;

@@ -3,7 +3,7 @@
 use firmware::block;
 use firmware::observing::{fixed_to_bytes, to_bytes};
 use joint_core::fixed::Fixed;
-use joint_core::scalar::Scalar;
+use joint_core::scalar::Real;
 
 use crate::observe::counted;
 use crate::verb::Failure;
@@ -25,7 +25,7 @@ pub(super) fn fixed_files() -> Result<[Vec<u8>; 2], Failure> {
     Ok([parameters::<Fixed>()?, records])
 }
 
-fn parameters<S: Scalar>() -> Result<Vec<u8>, Failure> {
+fn parameters<S: Real>() -> Result<Vec<u8>, Failure> {
     let observer = counted::observer::<S>().map_err(failed)?;
     let mut parameters = vec![0; BLOCK_BYTES];
     let length = block::encode(&observer, 2, &mut parameters).map_err(failed)?;
