@@ -30,7 +30,7 @@ impl<S: Scalar> Angle<S> {
     }
 
     /// Adds less than half a turn.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&mut self, turns: S) {
         let (whole, part, lost) = S::summed(self.part, self.lost, turns);
         self.whole = S::counted(self.whole, whole);
@@ -39,7 +39,7 @@ impl<S: Scalar> Angle<S> {
     }
 
     /// Adds a motion at this speed, less than half a turn, with what rounding would take of it.
-    #[inline]
+    #[inline(always)]
     pub fn turn(&mut self, speed: S, turns_per_speed: S::Gain) {
         let (whole, part, lost) = S::turned(self.part, self.lost, speed, turns_per_speed);
         self.whole = S::counted(self.whole, whole);
@@ -48,7 +48,7 @@ impl<S: Scalar> Angle<S> {
     }
 
     /// The angle a little further, without the book-keeping of [`Angle::advance`].
-    #[inline]
+    #[inline(always)]
     pub fn ahead(&self, turns: S) -> Self {
         Self { whole: self.whole, part: self.part + turns, lost: S::ZERO }
     }
@@ -71,13 +71,13 @@ impl<S: Scalar> Ratio<S> {
     }
 
     /// The product's part of a turn, −½ to ½.
-    #[inline]
+    #[inline(always)]
     pub fn of(&self, angle: Angle<S>) -> S {
         S::wrapped_turns(angle.whole, self.per_turn, angle.part, self.per_part)
     }
 
     /// The product with all its turns.
-    #[inline]
+    #[inline(always)]
     pub fn wide(&self, angle: Angle<S>) -> S {
         S::wide_turns(angle.whole, angle.part, self.per_part)
     }

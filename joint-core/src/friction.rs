@@ -14,6 +14,7 @@
 use crate::joint::{MIDDLE, Mass};
 use crate::params;
 use crate::scalar::Scalar;
+use crate::work::{FlowAlong, Settle};
 
 /// Constants of one mass, per-unit and reflected to the motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,6 +156,11 @@ impl<S: Scalar> Friction<S> {
 
     /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
     pub(crate) fn settle(&self, mass: &mut Mass<S>, inverse_level: S) {
+        S::widely(Settle { friction: self, mass, inverse_level });
+    }
+
+    #[inline(always)]
+    pub(crate) fn settle_here(&self, mass: &mut Mass<S>, inverse_level: S) {
         let (curve, reach) = (self.curve(mass.speed), mass.speed.times(self.kappa));
         self.keep(mass, mass.bristle.zeta, &curve, reach, Some(inverse_level));
     }
@@ -227,8 +233,18 @@ impl<S: Scalar> Friction<S> {
     /// behind it, so the lag is part of the flow: for a level that changes evenly, the slip value
     /// that the bristle sees is the one at `w = 1/(1 − e^−x) − 1/x` of the way, here as a quotient
     /// of polynomials that is right at both ends.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn flow_along(
+        &self,
+        mass: &mut Mass<S>,
+        turn: Option<&Turn<S>>,
+        inverse_levels: [S; 2],
+    ) -> Half<S> {
+        S::widely(FlowAlong { friction: self, mass, turn, inverse_levels })
+    }
+
+    #[inline(always)]
+    pub(crate) fn flow_along_here(
         &self,
         mass: &mut Mass<S>,
         turn: Option<&Turn<S>>,

@@ -130,14 +130,14 @@ pub trait Scalar:
     fn split_turns(self) -> (Self::Whole, Self);
     /// A part of a turn and what it has lost, after less than half a turn more: whole turns, the part
     /// and the loss. A float is summed with compensation; a fixed-point part is exact.
-    #[inline]
+    #[inline(always)]
     fn summed(part: Self, lost: Self, turns: Self) -> (Self::Whole, Self, Self) {
         let (sum, lost) = part.plus(turns, lost);
         let (whole, part) = sum.split_turns();
         (whole, part, lost)
     }
     /// The same after a motion at this speed, with what rounding would take of the product.
-    #[inline]
+    #[inline(always)]
     fn turned(part: Self, lost: Self, speed: Self, gain: Self::Gain) -> (Self::Whole, Self, Self) {
         Self::summed(part, lost, speed.times(gain))
     }
@@ -258,7 +258,7 @@ pub trait Scalar:
     }
 
     /// Hyperbolic tangent; absolute error that of [`Scalar::exp_minus`].
-    #[inline]
+    #[inline(always)]
     fn tanh(self) -> Self {
         let magnitude = self.abs();
         let decayed = (magnitude + magnitude).exp_minus();

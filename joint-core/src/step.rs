@@ -8,11 +8,11 @@
 //! joint without effects does the same operations whatever the data.
 
 use crate::angle::Angle;
-use crate::effect::{Effects, Felt, Flow, Memory, Motion, Relaxation, Rubbing, Winding};
+use crate::effect::{Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Rubbing, Winding};
 use crate::friction::{Friction, Half, Turn};
 use crate::joint::{IMPLICIT, Input, Joint, Mass, StageState, State};
 use crate::scalar::Scalar;
-use crate::work::{MicroStep, Refresh};
+use crate::work::{MicroStep, Refresh, Remember};
 
 /// Most masses that what effects remember may follow.
 const MOST_MASSES: usize = 9;
@@ -219,20 +219,26 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// What effects remember, over half a micro-step at constant speed and current.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn remember(&self, state: &mut State<S, N>) {
+        S::widely(Remember { joint: self, state });
+    }
+
+    #[inline(always)]
+    pub(crate) fn remember_here(&self, state: &mut State<S, N>) {
         let mut speeds = [S::ZERO; MOST_MASSES];
         let masses = core::iter::once(&state.rotor).chain(state.stages.iter().map(|s| &s.mass));
         for (speed, mass) in speeds.iter_mut().zip(masses) {
             *speed = mass.speed;
         }
-        let memory = &mut state.memory;
         let flow = Flow { current: state.current, speeds: &speeds };
-        self.effects.relax(&flow, &mut |Relaxation { slot, reach, target }| {
-            if let Some(value) = memory.get_mut(usize::from(slot)) {
+        let mut all = [None; MEMORIES];
+        self.effects.relax(&flow, &mut all);
+        for (value, relaxation) in state.memory.iter_mut().zip(all) {
+            if let Some(Relaxation { reach, target }) = relaxation {
                 *value = target + (*value - target) * reach.exp_minus();
             }
-        });
+        }
     }
 
     /// One over the effects' factor on every friction level.
@@ -444,12 +450,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             lagging = extra.end;
         }
         let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
-        let apply = |drive| match WHICH {
-            1 => kick.apply::<true>(speed, current, force, damping, drive),
-            _ => kick.apply::<false>(speed, current, force, damping, drive),
-        };
         if self.effects.has_drops() && !self.current_imposed {
-            let (_, current) = apply(drive);
+            let (_, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
             let at = Winding {
                 current: current + lagging,
                 per_drop: kick.approach(),
@@ -457,7 +459,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             };
             drive = drive - self.effects.voltage_drop(at, &state.memory);
         }
-        let (speed, current) = apply(drive);
+        let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
         rotor.speed = speed;
         state.current = if self.effects.has_constants() { current + lagging } else { current };
         let stages = state.stages.iter_mut().zip(&self.stages).zip(&began.masses);

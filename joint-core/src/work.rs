@@ -5,7 +5,8 @@
 //! compile it for wider registers as well.
 
 use crate::effect::Effects;
-use crate::joint::{Input, Joint, State};
+use crate::friction::{Friction, Half, Turn};
+use crate::joint::{Input, Joint, Mass, State};
 use crate::scalar::Scalar;
 
 /// Work whose functions are inlined into whoever runs it.
@@ -29,6 +30,54 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Work for MicroStep<'_, S, N, E> {
     #[inline(always)]
     fn run(self) {
         self.joint.micro_step_here(self.state, self.input);
+    }
+}
+
+/// What effects remember, half a micro-step on.
+pub(crate) struct Remember<'a, S: Scalar, const N: usize, E> {
+    pub(crate) joint: &'a Joint<S, N, E>,
+    pub(crate) state: &'a mut State<S, N>,
+}
+
+impl<S: Scalar, const N: usize, E: Effects<S>> Work for Remember<'_, S, N, E> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.joint.remember_here(self.state);
+    }
+}
+
+/// What is kept beside one bristle, found anew.
+pub(crate) struct Settle<'a, S: Scalar> {
+    pub(crate) friction: &'a Friction<S>,
+    pub(crate) mass: &'a mut Mass<S>,
+    pub(crate) inverse_level: S,
+}
+
+impl<S: Scalar> Work for Settle<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.friction.settle_here(self.mass, self.inverse_level);
+    }
+}
+
+/// One bristle's flow along a level that changes.
+pub(crate) struct FlowAlong<'a, S: Scalar> {
+    pub(crate) friction: &'a Friction<S>,
+    pub(crate) mass: &'a mut Mass<S>,
+    pub(crate) turn: Option<&'a Turn<S>>,
+    pub(crate) inverse_levels: [S; 2],
+}
+
+impl<S: Scalar> Work for FlowAlong<'_, S> {
+    type Output = Half<S>;
+
+    #[inline(always)]
+    fn run(self) -> Half<S> {
+        self.friction.flow_along_here(self.mass, self.turn, self.inverse_levels)
     }
 }
 

@@ -45,7 +45,7 @@ impl<S: Scalar> Effects<S> for Worm<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
         if mass != usize::from(self.mass) {
             return S::ONE;

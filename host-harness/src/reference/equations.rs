@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use joint_core::angle::Angle;
 use joint_core::effect::{
-    Constants, EffectSet, Effects, Felt, Flow, MEMORIES, Memory, Motion, Rubbing,
+    Constants, EffectSet, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Rubbing,
 };
 use joint_core::joint::Drive;
 use joint_core::params::Friction;
@@ -162,12 +162,13 @@ impl Equations {
         head_rate[0] = self.current_rate(held, current, speeds[0], constants.back_emf, &memory);
         head_rate[1] = speeds[0];
         if let Some(effects) = &self.effects {
-            effects.relax(&Flow { current, speeds }, &mut |relaxation| {
-                let slot = usize::from(relaxation.slot);
-                if let (Some(rate), Some(value)) = (memory_rate.get_mut(slot), memory.get(slot)) {
-                    *rate = relaxation.reach * (relaxation.target - value);
+            let mut all = [None; MEMORIES];
+            effects.relax(&Flow { current, speeds }, &mut all);
+            for ((rate, value), relaxation) in memory_rate.iter_mut().zip(memory).zip(all) {
+                if let Some(Relaxation { reach, target }) = relaxation {
+                    *rate = reach * (target - value);
                 }
-            });
+            }
         }
 
         let motor = self.torque_constant * current * (1.0 + constants.torque);
@@ -219,7 +220,7 @@ impl Equations {
             Some(effects) if effects.has_constants() => {
                 effects.constants(Angle::from_turns(angle / TAU), current)
             }
-            _ => Constants { torque: 0.0, back_emf: 0.0 },
+            _ => Constants::NONE,
         }
     }
 

@@ -1,6 +1,6 @@
 //! How fast the equations relax, which is what bounds an explicit step.
 
-use joint_core::effect::{Effects, Flow};
+use joint_core::effect::{Effects, Flow, MEMORIES};
 
 use super::equations::{Equations, Mass, Spring};
 
@@ -22,13 +22,11 @@ impl Equations {
         let layout = self.layout();
         let speeds = state.get(layout.speed(0)..layout.bristle(0)).unwrap_or_default();
         let current = state.first().copied().unwrap_or(0.0);
-        let mut fastest = 0.0_f64;
+        let mut all = [None; MEMORIES];
         if let Some(effects) = &self.effects {
-            effects.relax(&Flow { current, speeds }, &mut |relaxation| {
-                fastest = fastest.max(2.0 * relaxation.reach);
-            });
+            effects.relax(&Flow { current, speeds }, &mut all);
         }
-        fastest
+        all.iter().flatten().fold(0.0, |fastest: f64, own| fastest.max(2.0 * own.reach))
     }
 
     /// The fastest rate in the equations where every mass runs at this speed, rad/s at the motor.

@@ -54,7 +54,7 @@ impl<S: Scalar> Effects<S> for AsymmetricFriction<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
         let [forward, backward] = self.inverse_level;
         if mass != usize::from(self.mass) {
@@ -63,7 +63,7 @@ impl<S: Scalar> Effects<S> for AsymmetricFriction<S> {
         S::choose(at.speed.below(S::ZERO), backward, forward)
     }
 
-    #[inline]
+    #[inline(always)]
     fn viscous(&self, mass: usize, speed: S, _memory: &Memory<S>) -> S {
         let [forward, backward] = self.viscous;
         if mass != usize::from(self.mass) {

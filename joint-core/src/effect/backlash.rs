@@ -40,7 +40,7 @@ impl<S: Scalar> Effects<S> for Backlash<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn stage(&self, stage: usize, deflection: S, _input: Angle<S>) -> Felt<S> {
         if stage != usize::from(self.stage) {
             return Felt { deflection, contact: S::ONE, leverage: S::ONE };

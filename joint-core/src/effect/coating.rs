@@ -5,7 +5,7 @@
 //! relaxation loop of height h and width w. Source: the paper's coating block; form of the loop
 //! after Dahl.
 
-use super::hooks::{Effects, Flow, Memory, Motion, Relaxation, Torque};
+use super::hooks::{Effects, Flow, Memory, Motion, Relaxation, Relaxations, Torque, keep};
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -74,7 +74,7 @@ impl<S: Scalar> Effects<S> for Coating<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn torque(&self, mass: usize, at: Motion<S>, memory: &Memory<S>) -> Torque<S> {
         let bent = match memory.get(usize::from(self.slot)) {
             Some(bent) if mass == usize::from(self.mass) => *bent,
@@ -90,11 +90,11 @@ impl<S: Scalar> Effects<S> for Coating<S> {
         Torque { value: -value, slope: -slope }
     }
 
-    #[inline]
-    fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
+    #[inline(always)]
+    fn relax(&self, flow: &Flow<'_, S>, all: &mut Relaxations<S>) {
         let moved = flow.speed(usize::from(self.mass)).times(self.per_width);
         let target = S::ONE.along(moved);
-        each(Relaxation { slot: self.slot, reach: moved.abs(), target });
+        keep(all, self.slot, Relaxation { reach: moved.abs(), target });
     }
 }
 

@@ -49,7 +49,7 @@ impl<S: Scalar> Line<S> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn torque(&self, angle: Angle<S>) -> Torque<S> {
         let turns = self.order.of(angle);
         let (sin, cos) = (turns.sin_turns(), turns.cos_turns());
@@ -85,7 +85,7 @@ impl<S: Scalar> Effects<S> for Cogging<S> {
         mass == 0
     }
 
-    #[inline]
+    #[inline(always)]
     fn torque(&self, mass: usize, at: Motion<S>, _memory: &Memory<S>) -> Torque<S> {
         if mass != 0 {
             return Torque::NONE;

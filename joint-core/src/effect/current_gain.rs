@@ -36,12 +36,12 @@ impl<S: Scalar> CurrentGain<S> {
 }
 
 impl<S: Scalar> Effects<S> for CurrentGain<S> {
-    #[inline]
+    #[inline(always)]
     fn measured_current(&self, current: S) -> S {
         current.times(self.shown)
     }
 
-    #[inline]
+    #[inline(always)]
     fn true_current(&self, measured: S) -> S {
         measured.times(self.actual)
     }

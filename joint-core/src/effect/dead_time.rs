@@ -47,7 +47,7 @@ impl<S: Scalar> DeadTime<S> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn drop(&self, current: S, per_drop: S) -> S {
         let lost = self.drop * per_drop;
         if !S::anywhere(S::ZERO.below(lost)) {
@@ -71,7 +71,7 @@ impl<S: Scalar> Effects<S> for DeadTime<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn voltage_drop(&self, at: Winding<S>, _memory: &Memory<S>) -> S {
         self.drop(at.current, at.per_drop)
     }

@@ -47,7 +47,7 @@ impl<S: Scalar> EncoderEccentricity<S> {
 }
 
 impl<S: Scalar> Effects<S> for EncoderEccentricity<S> {
-    #[inline]
+    #[inline(always)]
     fn encoder_error(&self, output: bool, angle: Angle<S>, _speed: S) -> S {
         if output != self.output {
             return S::ZERO;

@@ -41,7 +41,7 @@ impl<S: Scalar> Effects<S> for Gravity<S> {
         mass == usize::from(self.mass)
     }
 
-    #[inline]
+    #[inline(always)]
     fn torque(&self, mass: usize, at: Motion<S>, _memory: &Memory<S>) -> Torque<S> {
         if mass == usize::from(self.mass) { self.line.torque(at.angle) } else { Torque::NONE }
     }

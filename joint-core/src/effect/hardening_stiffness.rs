@@ -43,7 +43,7 @@ impl<S: Scalar> Effects<S> for HardeningStiffness<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn stage_torque(&self, stage: usize, felt: S, _memory: &Memory<S>) -> Torque<S> {
         if stage != usize::from(self.stage) {
             return Torque::NONE;

@@ -38,6 +38,7 @@ impl<S: Scalar> Torque<S> {
     /// None.
     pub const NONE: Self = Self { value: S::ZERO, slope: S::ZERO };
 
+    #[inline(always)]
     pub(super) fn plus(self, other: Self) -> Self {
         Self { value: self.value + other.value, slope: self.slope + other.slope }
     }
@@ -53,6 +54,18 @@ pub struct Felt<S> {
     /// Derivative of the deflection with the input angle: the input side feels the stage's torque
     /// times this.
     pub leverage: S,
+}
+
+impl<S: Scalar> Felt<S> {
+    /// What another law leaves of it, felt through this one.
+    #[inline(always)]
+    pub(super) fn then(self, own: Self) -> Self {
+        Self {
+            deflection: own.deflection,
+            contact: self.contact * own.contact,
+            leverage: self.leverage * own.leverage,
+        }
+    }
 }
 
 /// Where a friction level is asked for.
@@ -83,7 +96,7 @@ pub struct Winding<S> {
 
 impl<S: Scalar> Winding<S> {
     /// The drop of a resistance, given as a share of 2R, that fits the current it leaves.
-    #[inline]
+    #[inline(always)]
     pub fn drop_of(&self, resistance: S) -> S {
         (resistance * self.current).over(S::ONE + resistance * self.per_drop)
     }
@@ -96,6 +109,16 @@ pub struct Constants<S> {
     pub torque: S,
     /// The back-EMF constant.
     pub back_emf: S,
+}
+
+impl<S: Scalar> Constants<S> {
+    /// As they are.
+    pub const NONE: Self = Self { torque: S::ZERO, back_emf: S::ZERO };
+
+    #[inline(always)]
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self { torque: self.torque + other.torque, back_emf: self.back_emf + other.back_emf }
+    }
 }
 
 /// What memories follow, held over half a micro-step.
@@ -114,14 +137,23 @@ impl<S: Scalar> Flow<'_, S> {
 }
 
 /// How a memory moves over half a micro-step: towards `target`, by `reach` time constants.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<S> {
-    /// Which memory.
-    pub slot: u8,
     /// Half a micro-step over the time constant; per second in SI.
     pub reach: S,
     /// Where it tends to.
     pub target: S,
+}
+
+/// How every memory moves; one that belongs to no law stays.
+pub type Relaxations<S> = [Option<Relaxation<S>>; MEMORIES];
+
+/// Keeps how the memory in a slot moves.
+#[inline(always)]
+pub(super) fn keep<S>(all: &mut Relaxations<S>, slot: u8, relaxation: Relaxation<S>) {
+    if let Some(own) = all.get_mut(usize::from(slot)) {
+        *own = Some(relaxation);
+    }
 }
 
 /// The hooks. One whose `has_` says no is not called.
@@ -184,7 +216,7 @@ pub trait Effects<S: Scalar> {
     /// The motor constants at a rotor angle and a current.
     #[inline(always)]
     fn constants(&self, _angle: Angle<S>, _current: S) -> Constants<S> {
-        Constants { torque: S::ZERO, back_emf: S::ZERO }
+        Constants::NONE
     }
 
     /// Current on the way to the winding where the current is the input, from the measured one.
@@ -243,9 +275,9 @@ pub trait Effects<S: Scalar> {
         S::ZERO
     }
 
-    /// Gives how every memory moves.
+    /// Says how its memories move.
     #[inline(always)]
-    fn relax(&self, _flow: &Flow<'_, S>, _each: &mut impl FnMut(Relaxation<S>)) {}
+    fn relax(&self, _flow: &Flow<'_, S>, _all: &mut Relaxations<S>) {}
 }
 
 impl<S: Scalar> Effects<S> for () {}

@@ -41,7 +41,7 @@ impl<S: Scalar> Effects<S> for LoadDependentFriction<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
         if mass == usize::from(self.mass) {
             S::ONE.over(S::ONE + at.transmitted.abs().times(self.per_torque))

@@ -4,7 +4,7 @@
 //! Bittencourt, Wernholt, Sander-Tavallaey and Brogårdh, "An extended friction model to capture
 //! load and temperature effects in robot joints" (2010), reduced to one thermal mass.
 
-use super::hooks::{Effects, Flow, Memory, Relaxation};
+use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, keep};
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -63,7 +63,7 @@ impl<S: Scalar> Effects<S> for LubricantWarming<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn viscous(&self, mass: usize, _speed: S, memory: &Memory<S>) -> S {
         match memory.get(usize::from(self.slot)) {
             Some(warm) if mass == usize::from(self.mass) => {
@@ -74,10 +74,10 @@ impl<S: Scalar> Effects<S> for LubricantWarming<S> {
         }
     }
 
-    #[inline]
-    fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
+    #[inline(always)]
+    fn relax(&self, flow: &Flow<'_, S>, all: &mut Relaxations<S>) {
         let load = flow.speed(usize::from(self.mass)).times(self.per_speed);
-        each(Relaxation { slot: self.slot, reach: self.reach, target: load * load });
+        keep(all, self.slot, Relaxation { reach: self.reach, target: load * load });
     }
 }
 

@@ -8,7 +8,8 @@
 mod hooks;
 
 pub use hooks::{
-    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Rubbing, Torque, Winding,
+    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Relaxations, Rubbing,
+    Torque, Winding,
 };
 pub(crate) use set::mass_at;
 pub use set::{EffectSet, MAX_EFFECTS};

@@ -35,7 +35,7 @@ impl<S: Scalar> Effects<S> for QuadraticDrag<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn drag(&self, mass: usize, speed: S) -> S {
         if mass == 0 { self.coefficient * speed.abs() } else { S::ZERO }
     }

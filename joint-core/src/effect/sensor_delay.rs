@@ -35,7 +35,7 @@ impl<S: Scalar> SensorDelay<S> {
 }
 
 impl<S: Scalar> Effects<S> for SensorDelay<S> {
-    #[inline]
+    #[inline(always)]
     fn encoder_error(&self, output: bool, _angle: Angle<S>, speed: S) -> S {
         if output == self.output { speed.times(self.turns) } else { S::ZERO }
     }

@@ -2,13 +2,14 @@
 //! parameter block. A joint with a fixed set names its types instead and pays for no dispatch.
 
 use super::hooks::{
-    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Rubbing, Torque, Winding,
+    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxations, Rubbing, Torque, Winding,
 };
 use super::{Effect, EffectParameters, Kind};
 use crate::angle::Angle;
 use crate::params::{Load, Location};
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
+use crate::work::Work;
 use crate::worm::Worm;
 use heapless::Vec;
 
@@ -175,6 +176,33 @@ impl<S: Scalar> EffectSet<S> {
     }
 }
 
+/// Asks every law in turn, as work that a number may have done in its own way: begins with a value, and
+/// makes the next one of it and what a law says.
+macro_rules! asked {
+    (
+        $set:ident, ($($name:ident: $type:ty),*) -> $answer:ty,
+        $first:expr, |$so_far:ident, $law:ident| $next:expr
+    ) => {{
+        struct Asked<'a, S: Scalar> {
+            effects: &'a [Effect<S>],
+            $($name: $type,)*
+        }
+        impl<'a, S: Scalar> Work for Asked<'a, S> {
+            type Output = $answer;
+            #[inline(always)]
+            fn run(self) -> $answer {
+                let Self { effects, $($name),* } = self;
+                let mut $so_far = $first;
+                for effect in effects {
+                    $so_far = law!(effect, $law => $next);
+                }
+                $so_far
+            }
+        }
+        S::widely(Asked { effects: &$set.effects, $($name),* })
+    }};
+}
+
 // What is asked only where its `has_` says so is a function of its own: every number of stages calls
 // the same one, and a flash of 128 KiB holds all laws once instead of a dozen times.
 impl<S: Scalar> Effects<S> for EffectSet<S> {
@@ -220,18 +248,14 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline(never)]
     fn voltage_drop(&self, at: Winding<S>, memory: &Memory<S>) -> S {
-        self.effects
-            .iter()
-            .fold(S::ZERO, |sum, effect| sum + law!(effect, law => law.voltage_drop(at, memory)))
+        asked!(self, (at: Winding<S>, memory: &'a Memory<S>) -> S, S::ZERO,
+            |sum, law| sum + law.voltage_drop(at, memory))
     }
 
     #[inline(never)]
     fn constants(&self, angle: Angle<S>, current: S) -> Constants<S> {
-        let none = Constants { torque: S::ZERO, back_emf: S::ZERO };
-        self.effects.iter().fold(none, |sum, effect| {
-            let own = law!(effect, law => law.constants(angle, current));
-            Constants { torque: sum.torque + own.torque, back_emf: sum.back_emf + own.back_emf }
-        })
+        asked!(self, (angle: Angle<S>, current: S) -> Constants<S>, Constants::NONE,
+            |sum, law| sum.plus(law.constants(angle, current)))
     }
 
     #[inline]
@@ -248,64 +272,51 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline(never)]
     fn encoder_error(&self, output: bool, angle: Angle<S>, speed: S) -> S {
-        self.effects.iter().fold(S::ZERO, |sum, effect| {
-            sum + law!(effect, law => law.encoder_error(output, angle, speed))
-        })
+        asked!(self, (output: bool, angle: Angle<S>, speed: S) -> S, S::ZERO,
+            |sum, law| sum + law.encoder_error(output, angle, speed))
     }
 
     #[inline(never)]
     fn torque(&self, mass: usize, at: Motion<S>, memory: &Memory<S>) -> Torque<S> {
-        self.effects.iter().fold(Torque::NONE, |sum, effect| {
-            sum.plus(law!(effect, law => law.torque(mass, at, memory)))
-        })
+        asked!(self, (mass: usize, at: Motion<S>, memory: &'a Memory<S>) -> Torque<S>, Torque::NONE,
+            |sum, law| sum.plus(law.torque(mass, at, memory)))
     }
 
     #[inline(never)]
     fn stage(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
-        let start = Felt { deflection, contact: S::ONE, leverage: S::ONE };
-        self.effects.iter().fold(start, |felt, effect| {
-            let own = law!(effect, law => law.stage(stage, felt.deflection, input));
-            Felt {
-                deflection: own.deflection,
-                contact: felt.contact * own.contact,
-                leverage: felt.leverage * own.leverage,
-            }
-        })
+        asked!(self, (stage: usize, deflection: S, input: Angle<S>) -> Felt<S>,
+            Felt { deflection, contact: S::ONE, leverage: S::ONE },
+            |felt, law| felt.then(law.stage(stage, felt.deflection, input)))
     }
 
     #[inline(never)]
     fn stage_torque(&self, stage: usize, felt: S, memory: &Memory<S>) -> Torque<S> {
-        self.effects.iter().fold(Torque::NONE, |sum, effect| {
-            sum.plus(law!(effect, law => law.stage_torque(stage, felt, memory)))
-        })
+        asked!(self, (stage: usize, felt: S, memory: &'a Memory<S>) -> Torque<S>, Torque::NONE,
+            |sum, law| sum.plus(law.stage_torque(stage, felt, memory)))
     }
 
     #[inline(never)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
-        self.effects
-            .iter()
-            .fold(S::ONE, |level, effect| level * law!(effect, law => law.inverse_level(mass, at)))
+        asked!(self, (mass: usize, at: Rubbing<S>) -> S, S::ONE,
+            |level, law| level * law.inverse_level(mass, at))
     }
 
     #[inline(never)]
     fn viscous(&self, mass: usize, speed: S, memory: &Memory<S>) -> S {
-        self.effects.iter().fold(S::ONE, |factor, effect| {
-            factor * law!(effect, law => law.viscous(mass, speed, memory))
-        })
+        asked!(self, (mass: usize, speed: S, memory: &'a Memory<S>) -> S, S::ONE,
+            |factor, law| factor * law.viscous(mass, speed, memory))
     }
 
     #[inline(never)]
     fn drag(&self, mass: usize, speed: S) -> S {
-        self.effects
-            .iter()
-            .fold(S::ZERO, |sum, effect| sum + law!(effect, law => law.drag(mass, speed)))
+        asked!(self, (mass: usize, speed: S) -> S, S::ZERO,
+            |sum, law| sum + law.drag(mass, speed))
     }
 
     #[inline(never)]
-    fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
-        for effect in &self.effects {
-            law!(effect, law => law.relax(flow, each));
-        }
+    fn relax(&self, flow: &Flow<'_, S>, all: &mut Relaxations<S>) {
+        asked!(self, (flow: &'a Flow<'a, S>, all: &'a mut Relaxations<S>) -> (), (),
+            |_none, law| law.relax(flow, all))
     }
 }
 

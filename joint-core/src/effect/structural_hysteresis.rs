@@ -5,7 +5,7 @@
 //! strain-wave gears, Taghirad and Bélanger, "Modeling and parameter identification of harmonic
 //! drive systems" (1998); form after Dahl.
 
-use super::hooks::{Effects, Flow, Memory, Relaxation, Torque};
+use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, Torque, keep};
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -57,7 +57,7 @@ impl<S: Scalar> Effects<S> for StructuralHysteresis<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn stage_torque(&self, stage: usize, _felt: S, memory: &Memory<S>) -> Torque<S> {
         match memory.get(usize::from(self.slot)) {
             Some(bent) if stage == usize::from(self.stage) => Torque {
@@ -68,17 +68,18 @@ impl<S: Scalar> Effects<S> for StructuralHysteresis<S> {
         }
     }
 
-    #[inline]
-    fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
+    #[inline(always)]
+    fn relax(&self, flow: &Flow<'_, S>, all: &mut Relaxations<S>) {
         let stage = usize::from(self.stage);
         let moved = (flow.speed(stage) - flow.speed(stage + 1)).times(self.per_width);
         let target = S::ONE.along(moved);
-        each(Relaxation { slot: self.slot, reach: moved.abs(), target });
+        keep(all, self.slot, Relaxation { reach: moved.abs(), target });
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::hooks::MEMORIES;
     use super::*;
 
     #[test]
@@ -86,12 +87,10 @@ mod tests {
         let (width, speed) = (0.02, -0.3);
         let law = StructuralHysteresis::<f64>::new(0, 1, &[0.5, width], [1.0, 1.0, 1.0]);
         let bent = 0.4;
-        let mut seen = 0;
-        law.relax(&Flow { current: 0.0, speeds: &[speed, 0.0] }, &mut |relaxation| {
-            let rate = relaxation.reach * (relaxation.target - bent) * width;
-            assert!((rate - (speed - speed.abs() * bent)).abs() < 1e-12);
-            seen += usize::from(relaxation.slot);
-        });
-        assert_eq!(seen, 1);
+        let mut all = [None; MEMORIES];
+        law.relax(&Flow { current: 0.0, speeds: &[speed, 0.0] }, &mut all);
+        let [None, Some(Relaxation { reach, target }), ..] = all else { panic!("{all:?}") };
+        let rate = reach * (target - bent) * width;
+        assert!((rate - (speed - speed.abs() * bent)).abs() < 1e-12);
     }
 }

@@ -42,7 +42,7 @@ impl<S: Scalar> Effects<S> for SupplySag<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn voltage_drop(&self, at: Winding<S>, _memory: &Memory<S>) -> S {
         let duty = at.drive.times(self.per_drive);
         at.drop_of(duty * duty)

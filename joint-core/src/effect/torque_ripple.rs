@@ -49,7 +49,7 @@ impl<S: Scalar> Effects<S> for TorqueRipple<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn constants(&self, angle: Angle<S>, _current: S) -> Constants<S> {
         let turns = self.order.of(angle);
         let share = self.cosine * turns.cos_turns() + self.sine * turns.sin_turns();

@@ -38,7 +38,7 @@ impl<S: Scalar> Effects<S> for TorqueSaturation<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn constants(&self, _angle: Angle<S>, current: S) -> Constants<S> {
         let relative = current.times(self.per_current);
         let square = relative * relative;

@@ -56,7 +56,7 @@ impl<S: Scalar> Effects<S> for TransmissionError<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn stage(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
         if stage != usize::from(self.stage) {
             return Felt { deflection, contact: S::ONE, leverage: S::ONE };

@@ -3,7 +3,7 @@
 //! `R (1 + a Θ)` with `τ Θ' = (i/I_ref)² − Θ`, cold at the start: one thermal mass. Source: the
 //! thermal model of any servo motor's data sheet; copper gains 0.39 % per kelvin.
 
-use super::hooks::{Effects, Flow, Memory, Relaxation, Winding};
+use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, Winding, keep};
 use super::{ParameterSpec, Spec};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -53,29 +53,30 @@ impl<S: Scalar> Effects<S> for WindingHeating<S> {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn voltage_drop(&self, at: Winding<S>, memory: &Memory<S>) -> S {
         let warm = memory.get(usize::from(self.slot)).copied().unwrap_or(S::ZERO);
         at.drop_of(warm.times(self.rise))
     }
 
-    #[inline]
-    fn relax(&self, flow: &Flow<'_, S>, each: &mut impl FnMut(Relaxation<S>)) {
+    #[inline(always)]
+    fn relax(&self, flow: &Flow<'_, S>, all: &mut Relaxations<S>) {
         let load = flow.current.times(self.per_current);
-        each(Relaxation { slot: self.slot, reach: self.reach, target: load * load });
+        keep(all, self.slot, Relaxation { reach: self.reach, target: load * load });
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::hooks::MEMORIES;
     use super::*;
 
     #[test]
     fn at_the_reference_current_it_tends_to_one() {
         let law = WindingHeating::<f64>::new(0, &[0.25, 0.5, 4.0], 2.0, 1.0);
-        law.relax(&Flow { current: -2.0, speeds: &[] }, &mut |relaxation| {
-            assert_eq!((relaxation.target, relaxation.reach), (1.0, 2.0));
-        });
+        let mut all = [None; MEMORIES];
+        law.relax(&Flow { current: -2.0, speeds: &[] }, &mut all);
+        assert_eq!(all[0], Some(Relaxation { reach: 2.0, target: 1.0 }));
         let at = Winding { current: 3.0, per_drop: 0.0, drive: 0.0 };
         assert!((law.voltage_drop(at, &[1.0; 4]) - 0.75).abs() < 1e-12);
     }

@@ -122,10 +122,10 @@ impl<S: Scalar> RotorKick<S> {
         settled + (current - settled).times(self.mean)
     }
 
-    /// New speed and current after the kick: `force` is the torque on the rotor beside the motor's,
+    /// New speed and current after the kick, `WHICH` being 1 for the middle one: `force` is the torque on the rotor beside the motor's,
     /// `damping` its torque per speed, `drive` the final current of the held voltage.
     #[inline(always)]
-    pub(crate) fn apply<const MIDDLE: bool>(
+    pub(crate) fn apply<const WHICH: usize>(
         &self,
         speed: S,
         current: S,
@@ -138,7 +138,11 @@ impl<S: Scalar> RotorKick<S> {
             + excess.times(self.per_excess)
             + drive.times(self.per_drive)
             - speed.times(self.induced);
-        let new = speed.kicked::<MIDDLE>(gained.settled(), damping.times(self.per_torque));
+        let (gained, lost) = (gained.settled(), damping.times(self.per_torque));
+        let new = match WHICH {
+            1 => speed.kicked::<true>(gained, lost),
+            _ => speed.kicked::<false>(gained, lost),
+        };
         let current =
             drive + excess.times(self.decay) + speed.times(self.before) - new.times(self.after);
         (new, current)

@@ -128,13 +128,13 @@ impl Scalar for f32 {
         let whole = (self + self) as i32;
         (whole, self - whole as f32)
     }
-    #[inline]
+    #[inline(always)]
     fn wrapped_turns(whole: i32, whole_ratio: f32, part: f32, ratio: f32) -> f32 {
         let turns = whole as f32 * whole_ratio + part * ratio;
         let nearest = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
         turns - nearest as f32
     }
-    #[inline]
+    #[inline(always)]
     fn wide_turns(whole: i32, part: f32, ratio: f32) -> f32 {
         (whole as f32 + part) * ratio
     }
@@ -246,13 +246,13 @@ impl Scalar for f64 {
         let whole = (self + self) as i32;
         (whole, self - f64::from(whole))
     }
-    #[inline]
+    #[inline(always)]
     fn wrapped_turns(whole: i32, whole_ratio: f64, part: f64, ratio: f64) -> f64 {
         let turns = f64::from(whole) * whole_ratio + part * ratio;
         let nearest = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
         turns - f64::from(nearest)
     }
-    #[inline]
+    #[inline(always)]
     fn wide_turns(whole: i32, part: f64, ratio: f64) -> f64 {
         (f64::from(whole) + part) * ratio
     }
