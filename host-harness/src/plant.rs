@@ -14,7 +14,7 @@ use joint_core::scalar::Scalar;
 
 use crate::grid::Grid;
 use crate::model::Model;
-use crate::tangent::{self, Constants, Linear, Tangent};
+use crate::lanes::{self, Abreast, Constants, Linear};
 
 /// Most stages a model has.
 pub const MAX_STAGES: usize = 6;
@@ -96,13 +96,13 @@ pub trait Plant: Send + Sync {
     fn encoder_error(&self, output: bool, angle: f64, speed: f64) -> f64;
     /// Micro-steps in the interval after sample `k`.
     fn micro_steps(&self, k: usize) -> u32;
-    /// The constants of its joints, for the tangent of another.
+    /// The constants of its joints, to be laid beside those of others.
     fn constants(&self) -> Option<Constants>;
-    /// The plant with derivatives: those that plants show which stand a step apart each; `None` where
-    /// they differ by more than their numbers.
-    fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>>;
-    /// The plant with derivatives by its own state of that length; `None` if it is too long.
-    fn linear(&self, states: usize) -> Option<Box<dyn Linear>>;
+    /// Plants of these constants side by side, over the intervals of this one; `None` where they differ
+    /// by more than their numbers.
+    fn abreast(&self, constants: &[&Constants]) -> Option<Box<dyn Abreast>>;
+    /// The plant with derivatives by its own state.
+    fn linear(&self) -> Box<dyn Linear>;
     /// Whether its constants move smoothly to those a step away and two.
     fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool;
 }
@@ -259,19 +259,19 @@ impl<const N: usize> Plant for Built<f64, N> {
     }
 
     fn constants(&self) -> Option<Constants> {
-        tangent::constants(&self.joints)
+        lanes::constants(&self.joints)
     }
 
-    fn tangent(&self, apart: &[(&Constants, f64)]) -> Option<Box<dyn Tangent>> {
-        tangent::tangent(&self.joints, &self.serves, apart)
+    fn abreast(&self, constants: &[&Constants]) -> Option<Box<dyn Abreast>> {
+        lanes::abreast::<N>(constants, &self.serves)
     }
 
-    fn linear(&self, states: usize) -> Option<Box<dyn Linear>> {
-        tangent::linear(&self.joints, &self.serves, states)
+    fn linear(&self) -> Box<dyn Linear> {
+        lanes::linear(&self.joints, &self.serves)
     }
 
     fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool {
-        tangent::is_smooth(&self.joints, steps)
+        lanes::is_smooth(&self.joints, steps)
     }
 }
 

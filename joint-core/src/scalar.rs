@@ -8,6 +8,8 @@
 
 mod floats;
 
+pub use floats::{halved, halved_in_part};
+
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 

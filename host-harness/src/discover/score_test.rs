@@ -6,13 +6,14 @@
 //! has no derivative at zero): then its own innovations take the place of the base model's.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 use super::hypothesis::Hypothesis;
 use crate::estimate::adjoint::Pull;
-use crate::estimate::coordinates::precision;
+use crate::estimate::coordinates::{Coordinate, precision};
 use crate::estimate::filter::{Linearisation, Observer};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::gram::gram;
@@ -132,39 +133,63 @@ impl<'a> ScoreTest<'a> {
 
     /// What each hypothesis would take, the best first.
     pub fn ranked<'h>(&self, hypotheses: &'h [Hypothesis]) -> Vec<(&'h Hypothesis, Gain)> {
-        let scored = hypotheses.par_iter().map(|hypothesis| (hypothesis, self.gain(hypothesis)));
-        let mut ranked: Vec<_> = scored.collect();
+        let gains = self.gains(hypotheses);
+        let mut ranked: Vec<_> = hypotheses.iter().zip(gains).collect();
         ranked.sort_by(|a, b| b.1.real.total_cmp(&a.1.real));
         ranked
     }
 
-    /// What the hypothesis would take after one linear step of everything.
-    pub fn gain(&self, hypothesis: &Hypothesis) -> Gain {
-        self.checked_gain(hypothesis).unwrap_or_default()
+    /// What each hypothesis would take after one linear step of everything.
+    pub fn gains(&self, hypotheses: &[Hypothesis]) -> Vec<Gain> {
+        // Those of one name are run side by side.
+        let alike: Vec<_> = hypotheses.chunk_by(|a, b| a.name() == b.name()).collect();
+        alike.into_par_iter().flat_map_iter(|own| self.gains_of_one_name(own)).collect()
     }
 
-    fn checked_gain(&self, hypothesis: &Hypothesis) -> Option<Gain> {
-        let model = hypothesis.added(&self.base.model);
-        let coordinates = hypothesis.coordinates(self.base.model.effects.len());
-        let run = |model: &Model| {
-            let rows = self.problem.innovations(model, &self.base.gains).ok()?;
-            let rows = self.problem.residual(&rows);
+    fn gains_of_one_name(&self, hypotheses: &[Hypothesis]) -> Vec<Gain> {
+        let (mut trials, mut models) = (Vec::new(), Vec::new());
+        for hypothesis in hypotheses {
+            let model = hypothesis.added(&self.base.model);
+            let coordinates = hypothesis.coordinates(self.base.model.effects.len());
+            let finite = !hypothesis.starts_at_nothing();
+            let first = models.len();
+            models.extend(finite.then(|| model.clone()));
+            models.extend(coordinates.iter().map(|coordinate| {
+                let mut moved = model.clone();
+                coordinate.shift(&mut moved, coordinate.difference_step());
+                moved
+            }));
+            trials.push((coordinates, finite, first..models.len()));
+        }
+        let runs = self.problem.innovations_of(&models, &self.base.gains);
+        let run = |number: usize| {
+            let rows = self.problem.residual(runs[number].as_ref()?);
             rows.iter().all(|e| e.is_finite()).then_some(rows)
         };
-        let (real, twins) = self.residuals.split_first()?;
-        // From a finite start, the start's own innovations take the place of the base model's.
-        let finite = match hypothesis.starts_at_nothing() {
-            true => None,
-            false => Some(self.prepared(run(&model)?, true)),
+        let gain = |(coordinates, finite, mut numbers): (Vec<Coordinate>, bool, Range<usize>)| {
+            // From a finite start, the start's own innovations take the place of the base model's.
+            let start = if finite { Some(self.prepared(run(numbers.next()?)?, true)) } else { None };
+            let moved = numbers.map(run).collect::<Option<Vec<_>>>()?;
+            self.gain(&coordinates, start.as_ref(), moved)
         };
-        let from = finite.as_ref().unwrap_or(real);
-        let mut columns = Vec::with_capacity(coordinates.len());
-        for coordinate in &coordinates {
-            let step = coordinate.difference_step();
-            let mut moved = model.clone();
-            coordinate.shift(&mut moved, step);
-            columns.push((run(&moved)? - &from.values) / step);
-        }
+        trials.into_iter().map(|trial| gain(trial).unwrap_or_default()).collect()
+    }
+
+    /// What a hypothesis would take, from its start if that is finite and from where each of its values
+    /// has moved by a step.
+    fn gain(
+        &self,
+        coordinates: &[Coordinate],
+        start: Option<&Residual>,
+        moved: Vec<DVector<f64>>,
+    ) -> Option<Gain> {
+        let (real, twins) = self.residuals.split_first()?;
+        let from = start.unwrap_or(real);
+        let columns: Vec<_> = coordinates
+            .iter()
+            .zip(moved)
+            .map(|(coordinate, moved)| (moved - &from.values) / coordinate.difference_step())
+            .collect();
         if columns.is_empty() {
             return None;
         }
@@ -221,7 +246,7 @@ mod tests {
             let size = 10.0_f64.powf(0.05 * f64::from(power));
             let start = drag.with("coefficient_nm_s2", size);
             let free = vec![Free::Value { value: 0, scale: 0.1 * size, sigma: 10.0 }];
-            let gain = test.gain(&Hypothesis { start, free });
+            let [gain] = &test.gains(&[Hypothesis { start, free }])[..] else { panic!("one") };
             assert!(gain.real <= there, "{} of {there} at {size}", gain.real);
         }
     }

@@ -339,8 +339,8 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
     let ranked = test.ranked(&hypotheses);
     let listed = candidates::listed(&scene);
-    let lines: Vec<(f64, Gain)> =
-        listed.par_iter().map(|line| (line.start.values[0], test.gain(line))).collect();
+    let orders = listed.iter().map(|line| line.start.values[0]);
+    let lines: Vec<(f64, Gain)> = orders.zip(test.gains(&listed)).collect();
     let own = ranked.iter().map(|(_, gain)| gain);
     let by_chance = threshold(own.chain(lines.iter().map(|(_, gain)| gain)));
     search.scores.retain(|row| row.round != round);

@@ -15,9 +15,9 @@ use crate::estimate::keep::{Keep, Whole};
 use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record, caught};
 use crate::estimate::slopes::is_of_a_sensor;
+use crate::lanes::Linear;
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
-use crate::tangent::Linear;
 
 /// How much less is known of a joint in motion than at rest.
 const UNKNOWN: f64 = 10.0;
@@ -32,6 +32,7 @@ pub struct Observer<'a> {
     pub(super) shaft: f64,
     inertia: Vec<f64>,
     start_sigma: Vec<f64>,
+    /// Steps over which states are differenced, and the drive.
     steps: Vec<f64>,
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
@@ -46,7 +47,7 @@ impl<'a> Observer<'a> {
         let layout = Layout::of(model);
         let inertia = inertias(model);
         let mut start_sigma = vec![0.0; layout.len()];
-        let mut steps = vec![0.0; layout.len()];
+        let mut steps = vec![0.0; layout.len() + 1];
         let first = record.grid.interval(0);
         let span = |channel: Channel| {
             let values = record.measured.iter().map(|row| row[channel as usize]);
@@ -57,23 +58,25 @@ impl<'a> Observer<'a> {
         let current = span(Channel::Current).max(1e-3);
         start_sigma[Layout::CURRENT] = 0.1 * current;
         start_sigma[Layout::ANGLE] = turn;
-        steps[Layout::CURRENT] = 1e-4 * current;
-        steps[Layout::ANGLE] = 1e-5;
+        steps[Layout::CURRENT] = 1e-6 * current;
+        steps[Layout::ANGLE] = 1e-7;
         for (k, stage) in model.stages.iter().enumerate() {
             let shaft = joint_core::per_unit::Bases::si(&model.motor, &model.stages).shaft(k + 1);
             let reach = stage.friction.breakaway_nm() / stage.stiffness_nm_per_rad / shaft.abs();
             start_sigma[layout.deflection(k)] = reach.max(1e-9);
-            steps[layout.deflection(k)] = (1e-3 * reach).max(1e-9);
+            steps[layout.deflection(k)] = (1e-5 * reach).max(1e-11);
         }
         for mass in 0..=model.stages.len() {
             start_sigma[layout.speed(mass)] = 1e-3 * fastest;
-            steps[layout.speed(mass)] = 1e-5 * fastest;
+            steps[layout.speed(mass)] = 1e-7 * fastest;
             start_sigma[layout.bristle(mass)] = 0.3;
-            steps[layout.bristle(mass)] = 1e-4;
+            steps[layout.bristle(mass)] = 1e-6;
         }
         for slot in 0..layout.memories {
-            steps[layout.memory(slot)] = 1e-4;
+            steps[layout.memory(slot)] = 1e-6;
         }
+        let largest = record.drive_values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        steps[layout.len()] = (1e-6 * largest).max(1e-9);
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
         let sensor_errors = model.effects.iter().any(|effect| is_of_a_sensor(effect.kind));
@@ -135,7 +138,7 @@ impl<'a> Observer<'a> {
         let mut p = Covariance::independent(std::iter::empty());
         let mut scratch = Scratch::new(order);
         let made = along.drive.len() >= samples.saturating_sub(1) * self.layout.len();
-        let linear = if made { None } else { self.plant.linear(self.layout.len()) };
+        let linear = (!made).then(|| self.plant.linear());
         for k in 0..samples {
             if self.is_idle(k) {
                 if !made {
@@ -269,21 +272,32 @@ impl<'a> Observer<'a> {
 
     /// What a sensor shows of a state.
     pub(super) fn shown(&self, channel: Channel, x: &[f64], walks: &[Walk]) -> f64 {
+        self.shown_of(channel, |state| x[state], walks)
+    }
+
+    /// The same of a state by its numbers.
+    #[inline]
+    pub(super) fn shown_of(
+        &self,
+        channel: Channel,
+        x: impl Fn(usize) -> f64,
+        walks: &[Walk],
+    ) -> f64 {
         let n = self.layout.len();
         let bias: f64 = walks
             .iter()
-            .zip(&x[n..])
+            .zip(n..)
             .filter(|(walk, _)| walk.equation == Equation::Sensor(channel))
-            .map(|(_, value)| *value)
+            .map(|(_, state)| x(state))
             .sum();
         let (angle, speed, output) = match channel {
-            Channel::Current => return bias + self.plant.measured_current(x[Layout::CURRENT]),
-            Channel::Motor => (x[Layout::ANGLE], x[self.layout.speed(0)], false),
+            Channel::Current => return bias + self.plant.measured_current(x(Layout::CURRENT)),
+            Channel::Motor => (x(Layout::ANGLE), x(self.layout.speed(0)), false),
             Channel::Output => {
                 let wound: f64 =
-                    (0..self.layout.stages).map(|k| x[self.layout.deflection(k)]).sum();
-                let speed = x[self.layout.speed(self.layout.stages)] * self.shaft;
-                ((x[Layout::ANGLE] - wound) * self.shaft, speed, true)
+                    (0..self.layout.stages).map(|k| x(self.layout.deflection(k))).sum();
+                let speed = x(self.layout.speed(self.layout.stages)) * self.shaft;
+                ((x(Layout::ANGLE) - wound) * self.shaft, speed, true)
             }
         };
         let caught_up = self.late.by[channel as usize] * speed;
@@ -316,13 +330,8 @@ impl<'a> Observer<'a> {
 
     /// One interval forward, with the walks' push.
     fn advance(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
-        self.advance_pushed(k, x, walks, 0.0);
-    }
-
-    /// The same with the drive a little off.
-    fn advance_pushed(&self, k: usize, x: &mut [f64], walks: &[Walk], push: f64) {
-        let inputs = [self.driven(k, x, walks) + push, self.record.load_nm[k]];
-        self.plant.propagate(k, &mut x[..self.layout.len()], inputs[0], inputs[1]);
+        let drive = self.driven(k, x, walks);
+        self.plant.propagate(k, &mut x[..self.layout.len()], drive, self.record.load_nm[k]);
         self.kick(k, x, walks);
     }
 
@@ -346,21 +355,30 @@ impl<'a> Observer<'a> {
 
     /// A torque held over an interval, on a mass that is otherwise free.
     pub(super) fn push(&self, x: &mut [f64], mass: usize, torque: f64, interval: f64) {
+        self.pushed(mass, torque, interval, |state, change| x[state] += change);
+    }
+
+    /// The same by what it changes.
+    pub(super) fn pushed(
+        &self,
+        mass: usize,
+        torque: f64,
+        interval: f64,
+        mut change: impl FnMut(usize, f64),
+    ) {
         let gained = torque * interval / self.inertia[mass];
         let moved = 0.5 * gained * interval;
-        x[self.layout.speed(mass)] += gained;
-        if mass == 0 {
-            x[Layout::ANGLE] += moved;
-        } else {
-            x[self.layout.deflection(mass - 1)] -= moved;
+        change(self.layout.speed(mass), gained);
+        match mass.checked_sub(1) {
+            None => change(Layout::ANGLE, moved),
+            Some(before) => change(self.layout.deflection(before), -moved),
         }
         if mass < self.layout.stages {
-            x[self.layout.deflection(mass)] += moved;
+            change(self.layout.deflection(mass), moved);
         }
     }
 
-    /// One interval forward, and its derivatives where they are not known: by the plant's own, or by
-    /// differences.
+    /// One interval forward, and its derivatives where they are not known.
     fn linearise(
         &self,
         k: usize,
@@ -369,37 +387,17 @@ impl<'a> Observer<'a> {
         along: &mut Cow<'_, Linearisation>,
         (linear, scratch): (Option<&dyn Linear>, &mut Scratch),
     ) {
+        let Some(linear) = linear else { return self.advance(k, x, walks) };
         let n = self.layout.len();
-        if along.drive.len() >= (k + 1) * n {
-            return self.advance(k, x, walks);
-        }
+        // Away from the reversal: friction's derivative is taken on the side it moves to.
+        let away = |step: &f64, x: &f64| if *x < 0.0 { -step } else { *step };
+        scratch.steps.clear();
+        scratch.steps.extend(self.steps.iter().zip(&x[..n]).map(|(step, x)| away(step, x)));
+        scratch.steps.extend(self.steps.last());
         let inputs = [self.driven(k, x, walks), self.record.load_nm[k]];
-        if let Some(linear) = linear {
-            let Linearisation { transition, drive } = along.to_mut();
-            linear.propagate(k, &mut x[..n], inputs, transition, drive);
-            return self.kick(k, x, walks);
-        }
-        let along = along.to_mut();
-        let base = scratch.moved(x);
-        self.advance(k, base, walks);
-        let next = base[..n].to_vec();
-        along.transition.resize((k + 1) * n * n, 0.0);
-        let transition = &mut along.transition[k * n * n..];
-        for (j, own) in self.steps.iter().copied().enumerate() {
-            // Away from the reversal: friction's derivative is taken on the side it moves to.
-            let step = if x[j] < 0.0 { -own } else { own };
-            let moved = scratch.moved(x);
-            moved[j] += step;
-            self.advance(k, moved, walks);
-            for i in 0..n {
-                transition[i * n + j] = (moved[i] - next[i]) / step;
-            }
-        }
-        let push = 1e-4 * self.record.drive_values[k].abs() + 1e-6;
-        let moved = scratch.moved(x);
-        self.advance_pushed(k, moved, walks, push);
-        along.drive.extend((0..n).map(|i| (moved[i] - next[i]) / push));
-        self.advance(k, x, walks);
+        let Linearisation { transition, drive } = along.to_mut();
+        linear.propagate(k, &mut x[..n], inputs, &scratch.steps, (transition, drive));
+        self.kick(k, x, walks);
     }
 
     /// The covariance one interval forward.
@@ -459,7 +457,7 @@ struct Scratch {
     row: Vec<f64>,
     column: Vec<f64>,
     gain: Vec<f64>,
-    moved: Vec<f64>,
+    steps: Vec<f64>,
     kick: Vec<f64>,
     transition: Vec<f64>,
 }
@@ -470,16 +468,10 @@ impl Scratch {
             row: vec![0.0; order],
             column: vec![0.0; order],
             gain: vec![0.0; order],
-            moved: vec![0.0; order],
+            steps: Vec::with_capacity(order + 1),
             kick: vec![0.0; order],
             transition: vec![0.0; order * order],
         }
-    }
-
-    /// A copy of a state to be moved.
-    fn moved(&mut self, x: &[f64]) -> &mut [f64] {
-        self.moved.copy_from_slice(x);
-        &mut self.moved
     }
 }
 

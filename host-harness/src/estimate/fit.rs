@@ -7,7 +7,6 @@
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use super::coordinates::{Coordinate, precision};
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
@@ -229,53 +228,6 @@ impl<'a> Problem<'a> {
             innovations.len() * CHANNELS,
             rows.flat_map(|(row, weight)| row.map(|e| if *weight > 0.0 { e } else { 0.0 })),
         )
-    }
-
-    /// Derivative of the residual with each coordinate: by the joint's tangent, and by differences
-    /// where a coordinate changes more than the joint's numbers; those one-sided from the residual at
-    /// the model if that is given, else central.
-    pub fn sensitivity(
-        &self,
-        model: &Model,
-        gains: &Gains,
-        coordinates: &[Coordinate],
-        here: Option<&DVector<f64>>,
-    ) -> DMatrix<f64> {
-        let mut columns = match self.long_sighted {
-            true => vec![None; coordinates.len()],
-            false => self.tangents(model, gains, coordinates),
-        };
-        let rows = self.record.len() * CHANNELS;
-        columns.par_iter_mut().zip(coordinates).for_each(|(column, coordinate)| {
-            if column.is_none() {
-                *column = self.difference(model, gains, coordinate, here);
-            }
-        });
-        let columns: Vec<DVector<f64>> =
-            columns.into_iter().map(|c| c.unwrap_or_else(|| DVector::zeros(rows))).collect();
-        if columns.is_empty() {
-            return DMatrix::zeros(rows, 0);
-        }
-        DMatrix::from_columns(&columns)
-    }
-
-    fn difference(
-        &self,
-        model: &Model,
-        gains: &Gains,
-        coordinate: &Coordinate,
-        here: Option<&DVector<f64>>,
-    ) -> Option<DVector<f64>> {
-        let step = coordinate.difference_step();
-        let side = |step: f64| {
-            let mut moved = model.clone();
-            coordinate.shift(&mut moved, step);
-            self.innovations(&moved, gains).map(|rows| self.residual(&rows)).ok()
-        };
-        match here {
-            Some(here) => Some((side(step)? - here) / step),
-            None => Some((side(step)? - side(-step)?) / (2.0 * step)),
-        }
     }
 
     /// Fits from a start; `origin` is where the priors are centred.

@@ -6,6 +6,7 @@
 //! they should scatter, is white with variance one when the model is right. Everything here, from
 //! refitting to naming an effect, works on these whitened innovations.
 
+pub mod abreast;
 pub mod adjoint;
 pub mod coordinates;
 mod covariance;

@@ -1,29 +1,15 @@
-//! Derivatives of a run through its filter: of the innovations with what moves the joint's constants,
-//! and of the joint's states over one interval.
+//! Derivatives of a record's innovations with what moves a model: by differences, of models that are run
+//! side by side.
 
 use joint_core::effect::Kind;
-use joint_core::scalar::Scalar;
-use nalgebra::DVector;
-use rayon::prelude::*;
+use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinate;
-use super::filter::{Equation, Gains, Observer, Walk};
+use super::filter::Gains;
 use super::fit::Problem;
-use super::record::{CHANNELS, Channel};
+use super::record::CHANNELS;
 use crate::model::Model;
-use crate::plant::{Layout, inertias, plant as plant_of};
-use crate::tangent::{Constants, Dual, LANES, Slopes, Tangent};
-
-/// Steps over which an encoder's errors are differenced, rad and rad/s.
-const SHAFT_STEP: f64 = 1e-6;
-
-/// What the innovations change with: a plant's tangent, and how each mass's inertia moves along.
-pub struct Directions {
-    /// The plant.
-    pub tangent: Box<dyn Tangent>,
-    /// By mass.
-    pub inertia: Vec<Dual>,
-}
+use crate::plant::plant;
 
 /// Whether a law concerns what a sensor shows, not what the joint does.
 pub(super) fn is_of_a_sensor(kind: Kind) -> bool {
@@ -33,222 +19,102 @@ pub(super) fn is_of_a_sensor(kind: Kind) -> bool {
     )
 }
 
-/// Step in a coordinate over which the joint's constants are differenced: they follow from the
-/// parameters smoothly and to the last digit.
-const CONSTANTS_STEP: f64 = 1e-6;
+/// Step in a coordinate that is short beside everything in the joint.
+const SHORT: f64 = 1e-6;
+
+/// Most that rounding may make of a derivative, in innovations: a sensor's last digit may be finer than
+/// that of an angle of many turns.
+const ROUNDING: f64 = 1e-2;
+
+/// How a coordinate's derivative is taken: by one step that is short, by a long one, or by two long ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    Short(f64),
+    Long(f64),
+    Central(f64),
+}
 
 impl Problem<'_> {
-    /// Derivative of the residual with each coordinate that moves the joint's numbers and nothing else.
-    pub(super) fn tangents(
+    /// Derivative of the residual with each coordinate: over a short step where the joint's constants
+    /// follow from it smoothly, else over a long one; those are one-sided from the residual at the model if
+    /// that is given, else central.
+    pub fn sensitivity(
         &self,
         model: &Model,
         gains: &Gains,
         coordinates: &[Coordinate],
-    ) -> Vec<Option<DVector<f64>>> {
-        let mut columns = vec![None; coordinates.len()];
-        let Ok(plant) = plant_of(model, &self.record.grid, self.record.drive) else {
-            return columns;
-        };
-        let inertia = inertias(model);
-        let moved: Vec<(usize, Constants, Vec<f64>)> = coordinates
+        here: Option<&DVector<f64>>,
+    ) -> DMatrix<f64> {
+        let short = self.short_step(gains);
+        let ways: Vec<Way> = coordinates
             .iter()
-            .enumerate()
-            .filter_map(|(number, coordinate)| {
-                if coordinate.effect().is_some_and(|e| is_of_a_sensor(model.effects[e].kind)) {
-                    return None;
-                }
-                let moved = [1.0, 2.0].map(|steps| {
-                    let mut moved = model.clone();
-                    coordinate.shift(&mut moved, steps * CONSTANTS_STEP);
-                    moved
-                });
-                let constants = |model| plant_of(model, &self.record.grid, self.record.drive);
-                let [one, two] = moved.each_ref().map(|m| constants(m).ok()?.constants());
-                let (one, two) = (one?, two?);
-                let smooth = plant.moves_smoothly([&one, &two]);
-                smooth.then(|| (number, one, inertias(&moved[0])))
+            .map(|coordinate| match here {
+                _ if !self.long_sighted && self.is_smooth(model, coordinate) => Way::Short(short),
+                Some(_) => Way::Long(coordinate.difference_step()),
+                None => Way::Central(coordinate.difference_step()),
             })
             .collect();
-        if moved.is_empty() {
-            return columns;
-        }
-        let observer = self.observer(model, &*plant);
-        let passes = moved.len().div_ceil(LANES);
-        let found: Vec<(usize, DVector<f64>)> = moved
-            .par_chunks(moved.len().div_ceil(passes))
-            .flat_map_iter(|chunk| {
-                let apart: Vec<_> = chunk.iter().map(|(_, c, _)| (c, CONSTANTS_STEP)).collect();
-                let slope = |mass: usize, other: &[f64]| {
-                    ((other[mass] - inertia[mass]) / CONSTANTS_STEP) as f32
-                };
-                let inertia = (0..inertia.len()).map(|mass| {
-                    let mut dual = Dual::constant(inertia[mass]);
-                    for (lane, (.., other)) in dual.slopes.iter_mut().zip(chunk) {
-                        *lane = slope(mass, other);
-                    }
-                    dual
-                });
-                let directions = plant
-                    .tangent(&apart)
-                    .map(|tangent| Directions { tangent, inertia: inertia.collect() });
-                let rows = directions.map(|along| observer.innovation_slopes(gains, &along));
-                let rows = rows.unwrap_or_default();
-                let column = |lane: usize| {
-                    let masked = rows.iter().zip(self.mask);
-                    let values = masked.flat_map(|(row, weight)| {
-                        row.map(
-                            |channel| {
-                                if *weight > 0.0 { f64::from(channel[lane]) } else { 0.0 }
-                            },
-                        )
-                    });
-                    DVector::from_iterator(self.record.len() * CHANNELS, values)
-                };
-                let columns: Vec<_> = (0..if rows.is_empty() { 0 } else { chunk.len() })
-                    .map(|lane| (chunk[lane].0, column(lane)))
-                    .collect();
-                columns
-            })
-            .collect();
-        for (number, column) in found {
-            columns[number] = Some(column);
-        }
-        columns
-    }
-}
-
-impl Observer<'_> {
-    /// Derivatives of [`Observer::innovations`] along directions that leave the sensors as they are:
-    /// by sample and channel, one for each direction.
-    pub fn innovation_slopes(&self, gains: &Gains, along: &Directions) -> Vec<[Slopes; CHANNELS]> {
-        let designed = gains.order - gains.walks.len();
-        let own = self.layout.len();
-        let common = designed.min(own);
-        let mut x = Vec::new();
-        let mut slopes = vec![[[0.0; LANES]; CHANNELS]; self.record.len()];
-        for (k, row) in slopes.iter_mut().enumerate() {
-            if self.is_idle(k) {
-                continue;
-            }
-            if self.record.starts.contains(&k) {
-                let start = self.start(k, own + gains.walks.len());
-                x = start.into_iter().map(Dual::constant).collect();
-            }
-            for channel in Channel::ALL {
-                let c = channel as usize;
-                let weight = gains.weight[k][c];
-                if weight == 0.0 {
-                    continue;
-                }
-                let shown = self.shown_along(channel, &x, &gains.walks);
-                let measured = Dual::constant(self.late.measured[k][c]);
-                let error = (measured - shown).scaled(weight);
-                if !error.value.is_finite() {
-                    continue;
-                }
-                row[c] = error.slopes;
-                let slot = (k * CHANNELS + c) * gains.order;
-                let (states, walks) = gains.gain[slot..slot + gains.order].split_at(designed);
-                let corrected = x.iter_mut().zip(&states[..common]);
-                for (value, gain) in corrected {
-                    *value = *value + error.scaled(*gain);
-                }
-                for (value, gain) in x[own..].iter_mut().zip(walks) {
-                    *value = *value + error.scaled(*gain);
-                }
-            }
-            self.advance_along(k, &mut x, &gains.walks, along);
-        }
-        slopes
-    }
-
-    fn shown_along(&self, channel: Channel, x: &[Dual], walks: &[Walk]) -> Dual {
-        let n = self.layout.len();
-        let values: Vec<f64> = x.iter().map(|value| value.value).collect();
-        let mut shown = Dual::constant(0.0);
-        let mut add = |by: f64, of: &Dual| {
-            if by != 0.0 {
-                shown = shown + of.scaled(by);
-            }
+        let moved = |coordinate: &Coordinate, step: f64| {
+            let mut moved = model.clone();
+            coordinate.shift(&mut moved, step);
+            moved
         };
-        for (walk, value) in walks.iter().zip(&x[n..]) {
-            add(f64::from(u8::from(walk.equation == Equation::Sensor(channel))), value);
-        }
-        match channel {
-            Channel::Current => {
-                let slope = self.plant.measured_current(1.0) - self.plant.measured_current(0.0);
-                add(slope, &x[Layout::CURRENT]);
-            }
-            Channel::Motor | Channel::Output => {
-                let output = channel == Channel::Output;
-                let (mass, shaft) =
-                    if output { (self.layout.stages, self.shaft) } else { (0, 1.0) };
-                let wound = if output { self.layout.stages } else { 0 };
-                let [by_angle, by_speed] = self.encoder_slopes(channel, &values);
-                add(shaft * by_angle, &x[Layout::ANGLE]);
-                for stage in 0..wound {
-                    add(-shaft * by_angle, &x[self.layout.deflection(stage)]);
+        // A short step is held against a run of its own kind, so that rounding is the same in both.
+        let mut models = vec![model.clone()];
+        for (coordinate, way) in coordinates.iter().zip(&ways) {
+            match *way {
+                Way::Short(step) | Way::Long(step) => models.push(moved(coordinate, step)),
+                Way::Central(step) => {
+                    models.extend([step, -step].map(|step| moved(coordinate, step)));
                 }
-                add(shaft * by_speed, &x[self.layout.speed(mass)]);
             }
         }
-        // The value is the one that a run without derivatives has.
-        Dual { value: self.shown(channel, &values, walks), ..shown }
+        let runs = self.innovations_of(&models, gains);
+        let mut runs = runs.iter().map(|rows| Some(self.residual(rows.as_ref()?)));
+        let own = runs.next().flatten();
+        let mut column = |way: Way| {
+            let one = runs.next().flatten();
+            let other = if let Way::Central(_) = way { runs.next().flatten() } else { None };
+            Some(match way {
+                Way::Short(step) => (one? - own.as_ref()?) / step,
+                Way::Long(step) => (one? - here?) / step,
+                Way::Central(step) => (one? - other?) / (2.0 * step),
+            })
+        };
+        let rows = self.record.len() * CHANNELS;
+        let columns: Vec<DVector<f64>> =
+            ways.into_iter().map(|way| column(way).unwrap_or_else(|| DVector::zeros(rows))).collect();
+        if columns.is_empty() {
+            return DMatrix::zeros(rows, 0);
+        }
+        DMatrix::from_columns(&columns)
     }
 
-    /// How what an encoder shows changes with its shaft's angle and speed.
-    fn encoder_slopes(&self, channel: Channel, x: &[f64]) -> [f64; 2] {
-        let caught_up = self.late.by[channel as usize];
-        if !self.sensor_errors {
-            return [1.0, caught_up];
-        }
-        let output = channel == Channel::Output;
-        let wound = if output { self.layout.stages } else { 0 };
-        let (mass, shaft) = if output { (self.layout.stages, self.shaft) } else { (0, 1.0) };
-        let deflection: f64 = (0..wound).map(|k| x[self.layout.deflection(k)]).sum();
-        let angle = (x[Layout::ANGLE] - deflection) * shaft;
-        let speed = x[self.layout.speed(mass)] * shaft;
-        let error = |angle, speed| self.plant.encoder_error(output, angle, speed);
-        let here = error(angle, speed);
-        let by_angle = (error(angle + SHAFT_STEP, speed) - here) / SHAFT_STEP;
-        let by_speed = (error(angle, speed + 1.0) - here) / 1.0;
-        [1.0 + by_angle, caught_up + by_speed]
+    /// A short step that is long beside rounding.
+    fn short_step(&self, gains: &Gains) -> f64 {
+        let rows = self.record.measured.iter().zip(&gains.weight);
+        let finest = rows
+            .flat_map(|(row, weights)| row.iter().zip(weights).map(|(value, weight)| value * weight))
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        (f64::EPSILON * finest / ROUNDING).max(SHORT)
     }
 
-    fn advance_along(&self, k: usize, x: &mut [Dual], walks: &[Walk], along: &Directions) {
-        let n = self.layout.len();
-        let interval = self.record.grid.interval(k);
-        let mut drive = Dual::constant(self.record.drive_values[k]);
-        for (walk, value) in walks.iter().zip(&x[n..]) {
-            if walk.equation == Equation::Voltage {
-                drive = drive + *value;
-            }
+    /// Whether a coordinate moves the joint's constants and nothing else, and those smoothly.
+    fn is_smooth(&self, model: &Model, coordinate: &Coordinate) -> bool {
+        if coordinate.effect().is_some_and(|e| is_of_a_sensor(model.effects[e].kind)) {
+            return false;
         }
-        along.tangent.propagate(k, &mut x[..n], drive, self.record.load_nm[k]);
-        for (j, walk) in walks.iter().enumerate() {
-            if let Equation::Torque(mass) = walk.equation {
-                let torque = x[n + j];
-                self.push_along(x, mass, torque, interval, along.inertia[mass]);
-            }
-        }
-    }
-
-    /// [`Observer::push`] with derivatives.
-    fn push_along(&self, x: &mut [Dual], mass: usize, torque: Dual, interval: f64, inertia: Dual) {
-        let gained = (torque * Dual::constant(interval)).over(inertia);
-        let moved = gained * Dual::constant(0.5 * interval);
-        let speed = self.layout.speed(mass);
-        x[speed] = x[speed] + gained;
-        if mass == 0 {
-            x[Layout::ANGLE] = x[Layout::ANGLE] + moved;
-        } else {
-            let before = self.layout.deflection(mass - 1);
-            x[before] = x[before] - moved;
-        }
-        if mass < self.layout.stages {
-            let behind = self.layout.deflection(mass);
-            x[behind] = x[behind] + moved;
-        }
+        let plant = |model: &Model| plant(model, &self.record.grid, self.record.drive).ok();
+        let constants = |steps: f64| {
+            let mut moved = model.clone();
+            coordinate.shift(&mut moved, steps * SHORT);
+            plant(&moved)?.constants()
+        };
+        let (Some(here), Some(one), Some(two)) = (plant(model), constants(1.0), constants(2.0))
+        else {
+            return false;
+        };
+        here.moves_smoothly([&one, &two])
     }
 }
 
@@ -260,11 +126,12 @@ mod tests {
     use joint_core::params::Location;
 
     use super::*;
-    use crate::estimate::filter::Linearisation;
+    use crate::estimate::filter::{Equation, Linearisation, Observer, Walk};
     use crate::estimate::parameters::Quantity;
     use crate::estimate::record::Record;
     use crate::estimate::{noise, twin};
     use crate::log::Log;
+    use crate::plant::{Layout, micro_steps};
     use crate::scenario::paper;
 
     /// A joint with several laws, among them one that remembers and one of a sensor.
@@ -300,7 +167,7 @@ mod tests {
             time_s,
             ..Log::default()
         };
-        let blank = Record::new(&log, Some(crate::plant::micro_steps(model, 1e-4)));
+        let blank = Record::new(&log, Some(micro_steps(model, 1e-4)));
         twin::twin(model, &blank, &noise::expected(model, &blank), 1).unwrap()
     }
 
@@ -326,7 +193,7 @@ mod tests {
 
     fn assert_changes_as_differences_say(model: &Model) {
         let record = record(model);
-        let plant = plant_of(model, &record.grid, record.drive).unwrap();
+        let plant = plant(model, &record.grid, record.drive).unwrap();
         let observer = Observer::new(model, &*plant, &record);
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
@@ -341,13 +208,12 @@ mod tests {
             let mut state = run.states[k][..n].to_vec();
             let inputs = [record.drive_values[k], record.load_nm[k]];
             let (mut transition, mut by_drive) = (Vec::new(), Vec::new());
-            let linear = plant.linear(n).unwrap();
-            linear.propagate(k, &mut state, inputs, &mut transition, &mut by_drive);
+            let steps = vec![1e-7; n + 1];
+            let derivatives = (&mut transition, &mut by_drive);
+            plant.linear().propagate(k, &mut state, inputs, &steps, derivatives);
             let mut plain = run.states[k][..n].to_vec();
             plant.propagate(k, &mut plain, inputs[0], inputs[1]);
-            for (carried, plain) in state.iter().zip(&plain) {
-                assert!((carried - plain).abs() <= 1e-11 * plain.abs(), "{carried} {plain}");
-            }
+            assert_eq!(state, plain);
             let next = |state: usize, moved: f64, drive: f64| {
                 let mut x = run.states[k][..n].to_vec();
                 x[state] += moved;
@@ -404,7 +270,8 @@ mod tests {
             value(1, 1, 1e-5),
             value(2, 0, 1e-3),
         ]);
-        let columns = problem.tangents(&off, &gains, &coordinates);
+        let smooth = |coordinate: &Coordinate| problem.is_smooth(&off, coordinate);
+        let columns = problem.sensitivity(&off, &gains, &coordinates, None);
         let near = |coordinate: &Coordinate| {
             let side = |step: f64| {
                 let mut moved = off.clone();
@@ -414,17 +281,49 @@ mod tests {
             (side(DIFFERENCE) - side(-DIFFERENCE)) / (2.0 * DIFFERENCE)
         };
         let mut missing = Vec::new();
-        for (coordinate, column) in coordinates.iter().zip(&columns) {
-            let Some(column) = column else {
+        for (coordinate, column) in coordinates.iter().zip(columns.column_iter()) {
+            if !smooth(coordinate) {
                 missing.push(coordinate);
                 continue;
-            };
+            }
             let wanted = near(coordinate);
             let error = (column - &wanted).norm() / wanted.norm();
-            // Short ones round; long ones step over a standstill.
-            assert!(error < 1e-4 + 5e-3 / wanted.norm(), "{coordinate:?}: {error:e}");
+            // One step bends, two round, and long ones step over a standstill.
+            assert!(error < 2e-3 + 5e-3 / wanted.norm(), "{coordinate:?}: {error:e}");
         }
         // What a sensor shows is not the joint's.
         assert_eq!(missing, [&coordinates[coordinates.len() - 1]]);
+    }
+
+    #[test]
+    fn models_run_side_by_side_have_the_bits_of_each_alone() {
+        let model = joint();
+        let record = record(&model);
+        let mask: Vec<f64> = (0..record.len()).map(|k| f64::from(u8::from(k < 2500))).collect();
+        let push = Walk { equation: Equation::Torque(1), initial: 1e-9, rate: 1e-6 };
+        let problem = Problem::new(&record, &mask).pushed(push);
+        let gains = problem.design(&model, &noise::expected(&model, &record)).unwrap().gains;
+        let mut models: Vec<Model> = Quantity::of(&model, record.drive)
+            .into_iter()
+            .map(|quantity| {
+                let mut moved = model.clone();
+                quantity.shift(&mut moved, 0.02);
+                moved
+            })
+            .collect();
+        // Others are run apart; what cannot be built is told.
+        models.insert(3, shortened(1));
+        let mut broken = model.clone();
+        broken.motor.rotor_inertia_kg_m2 = -1.0;
+        models.insert(5, broken);
+        let runs = problem.innovations_of(&models, &gains);
+        for (number, (model, run)) in models.iter().zip(&runs).enumerate() {
+            let alone = problem.innovations(model, &gains).ok();
+            assert_eq!(alone.is_some(), number != 5);
+            if let (Some(run), Some(alone)) = (run, &alone) {
+                assert!(run == alone, "{number}");
+            }
+            assert_eq!(run.is_some(), alone.is_some());
+        }
     }
 }

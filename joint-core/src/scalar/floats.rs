@@ -140,6 +140,31 @@ impl Scalar for f32 {
     }
 }
 
+/// `2^−part` of a part of one, to 3e-11: what is left of an exponential when its whole powers are gone.
+#[inline(always)]
+pub fn halved_in_part(part: f64) -> f64 {
+    horner!(
+        part,
+        f64,
+        -1.083_036_970_248_301_6e-5,
+        0.000_147_293_815_700_777_48,
+        -0.001_327_837_364_900_122,
+        0.009_615_595_597_091_18,
+        -0.055_503_473_283_022_1,
+        0.240_226_428_467_964_8,
+        -0.693_147_176_860_134_2,
+        0.999_999_999_971_375_5
+    )
+}
+
+/// `2^−whole` of a whole number between zero and a thousand: the exponent of a float, put to its place
+/// by a sum whose last bits it becomes.
+#[inline(always)]
+pub fn halved(whole: f64) -> f64 {
+    const LAST_BITS: f64 = 4_503_599_627_370_496.0;
+    f64::from_bits((1023.0 - whole + LAST_BITS).to_bits() << 52)
+}
+
 impl Scalar for f64 {
     type Gain = f64;
     single!();
@@ -195,21 +220,8 @@ impl Scalar for f64 {
     #[inline(always)]
     fn exp_minus(self) -> f64 {
         let power = core::f64::consts::LOG2_E * if self < 64.0 { self } else { 64.0 };
-        let whole = power as i32;
-        let part = power - f64::from(whole);
-        let mantissa = horner!(
-            part,
-            f64,
-            -1.083_036_970_248_301_6e-5,
-            0.000_147_293_815_700_777_48,
-            -0.001_327_837_364_900_122,
-            0.009_615_595_597_091_18,
-            -0.055_503_473_283_022_1,
-            0.240_226_428_467_964_8,
-            -0.693_147_176_860_134_2,
-            0.999_999_999_971_375_5
-        );
-        mantissa * f64::from_bits(((1023 - whole) as u64) << 52)
+        let whole = f64::from(power as i32);
+        halved_in_part(power - whole) * halved(whole)
     }
     #[inline(always)]
     fn stribeck(self, beta: f64) -> (f64, f64) {

@@ -1,9 +1,8 @@
-//! The constants of a joint with their derivatives, from those of joints a little apart.
+//! The constants of joints side by side, from those of each.
 //!
-//! How a joint's constants follow from its parameters is written once, in plain numbers. So their
-//! derivatives are taken from outside: joints that differ by a step in one parameter each are
-//! written down as they would travel to a drive, and read back side by side as one joint whose
-//! numbers have derivatives.
+//! How a joint's constants follow from its parameters is written once, in plain numbers. So joints that
+//! differ by their numbers alone are written down as they would travel to a drive, and read back side by
+//! side as one joint whose numbers have lanes.
 
 use std::fmt;
 
@@ -14,7 +13,7 @@ use serde::de::{
 };
 use serde::{Serialize, forward_to_deserialize_any};
 
-use super::dual::{LANES, NAME};
+use super::number::{LANES, NAME};
 
 /// The constants of something as they travel.
 pub(super) fn constants<T: Serialize>(of: &T) -> Option<Vec<u8>> {
@@ -25,22 +24,18 @@ pub(super) fn constants<T: Serialize>(of: &T) -> Option<Vec<u8>> {
 const SMOOTH: f64 = 1e-3;
 const ROUNDING: f64 = 1e-14;
 
-/// Constants written down, and one over the step at which they stand from others.
-pub(super) type Apart<'a> = (&'a [u8], f64);
-
-/// Reads constants with the derivatives that others a step apart show.
+/// Reads constants side by side, those of one joint for each lane.
 ///
 /// # Errors
-/// The others are not alike: another number of laws, or another count of steps.
-pub(super) fn woven<T: DeserializeOwned>(base: &[u8], apart: &[Apart<'_>]) -> Result<T, Unlike> {
-    let mut threads = Threads { base, apart: apart.to_vec(), agreeing: false };
-    T::deserialize(&mut threads)
+/// They are not alike: another number of laws, or another count of steps.
+pub(super) fn woven<T: DeserializeOwned>(lanes: Vec<&[u8]>) -> Result<T, Unlike> {
+    T::deserialize(&mut Threads { lanes, agreeing: false })
 }
 
 /// Whether constants move smoothly: by one step and by two at the same rate.
-pub(super) fn is_smooth<T: DeserializeOwned>(base: &[u8], one: &[u8], two: &[u8]) -> bool {
-    let mut threads = Threads { base, apart: vec![(one, 1.0), (two, 0.5)], agreeing: true };
-    T::deserialize(&mut threads).is_ok()
+pub(super) fn is_smooth<T: DeserializeOwned>([here, one, two]: [&[u8]; 3]) -> bool {
+    let lanes = [[here, one, two].as_slice(), &[here; LANES - 3]].concat();
+    T::deserialize(&mut Threads { lanes, agreeing: true }).is_ok()
 }
 
 /// Constants that differ by more than numbers.
@@ -63,26 +58,22 @@ impl Error for Unlike {
 
 /// The same place in several writings.
 struct Threads<'a> {
-    base: &'a [u8],
-    apart: Vec<Apart<'a>>,
-    /// Whether the first two are to show the same derivatives.
+    lanes: Vec<&'a [u8]>,
+    /// Whether the second and third are to show the same rate.
     agreeing: bool,
 }
 
 impl Threads<'_> {
     fn byte(&mut self) -> Result<u8, Unlike> {
-        let take = |rest: &mut &[u8]| {
-            let (byte, left) = rest.split_first().ok_or(Unlike)?;
-            *rest = left;
-            Ok(*byte)
-        };
-        let byte = take(&mut self.base)?;
-        for (other, _) in &mut self.apart {
-            if take(other)? != byte {
+        let mut common = None;
+        for lane in &mut self.lanes {
+            let (byte, left) = lane.split_first().ok_or(Unlike)?;
+            *lane = left;
+            if *common.get_or_insert(*byte) != *byte {
                 return Err(Unlike);
             }
         }
-        Ok(byte)
+        common.ok_or(Unlike)
     }
 
     /// Seven bits a byte, the lowest first; the eighth says that more follow.
@@ -102,22 +93,18 @@ impl Threads<'_> {
         Ok(self.byte()? != 0)
     }
 
-    /// A real number and its derivatives.
-    fn real(&mut self) -> Result<[f64; 1 + LANES], Unlike> {
-        let take = |rest: &mut &[u8]| {
-            let (bytes, left) = rest.split_first_chunk().ok_or(Unlike)?;
-            *rest = left;
-            Ok(f64::from_le_bytes(*bytes))
-        };
-        let mut parts = [0.0; 1 + LANES];
-        let here = take(&mut self.base)?;
-        parts[0] = here;
-        for ((other, per_step), slope) in self.apart.iter_mut().zip(&mut parts[1..]) {
-            let there = take(other)?;
-            // What is infinite in both does not move.
-            *slope = if there == here { 0.0 } else { (there - here) * *per_step };
+    /// A real number of every lane.
+    fn real(&mut self) -> Result<[f64; LANES], Unlike> {
+        let mut parts = [0.0; LANES];
+        for (part, lane) in parts.iter_mut().zip(&mut self.lanes) {
+            let (bytes, left) = lane.split_first_chunk().ok_or(Unlike)?;
+            *lane = left;
+            *part = f64::from_le_bytes(*bytes);
         }
-        let [_, one, two, ..] = parts;
+        let [here, one, two, ..] = parts;
+        // What is infinite in both does not move.
+        let rate = |there: f64, steps| if there == here { 0.0 } else { (there - here) / steps };
+        let (one, two) = (rate(one, 1.0), rate(two, 2.0));
         let rounding = ROUNDING * here.abs();
         if self.agreeing && (one - two).abs() > SMOOTH * one.abs().max(two.abs()) + rounding {
             return Err(Unlike);
@@ -209,7 +196,7 @@ impl<'de> Deserializer<'de> for &mut Threads<'_> {
         visitor: V,
     ) -> Result<V::Value, Unlike> {
         if name == NAME {
-            return visitor.visit_seq(Reals { parts: self.real()?, next: 0 });
+            return visitor.visit_seq(Reals { lanes: self.real()?, next: 0 });
         }
         visitor.visit_seq(Elements { threads: self, left })
     }
@@ -251,9 +238,9 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
     }
 }
 
-/// The parts of one number.
+/// The lanes of one number.
 struct Reals {
-    parts: [f64; 1 + LANES],
+    lanes: [f64; LANES],
     next: usize,
 }
 
@@ -264,7 +251,7 @@ impl<'de> SeqAccess<'de> for Reals {
         &mut self,
         seed: T,
     ) -> Result<Option<T::Value>, Unlike> {
-        let Some(part) = self.parts.get(self.next) else { return Ok(None) };
+        let Some(part) = self.lanes.get(self.next) else { return Ok(None) };
         self.next += 1;
         seed.deserialize(F64Deserializer::new(*part)).map(Some)
     }

@@ -1,0 +1,134 @@
+//! Runs of several models with the same gains: those that differ by their numbers alone are run side by
+//! side, up to as many as there are lanes in the time of one or two.
+//!
+//! A derivative by differences, and the score of a name, are a run for every value that may move.
+
+use rayon::prelude::*;
+
+use super::filter::{Equation, Gains, Observer};
+use super::fit::Problem;
+use super::record::{CHANNELS, Channel};
+use crate::lanes::{Abreast, LANES};
+use crate::model::Model;
+use crate::plant::{Plant, plant};
+
+/// Innovations by sample and channel.
+pub type Rows = Vec<[f64; CHANNELS]>;
+
+impl Problem<'_> {
+    /// Innovations of models with frozen gains, bit for bit those of [`Problem::innovations`]; `None`
+    /// where a model cannot be built.
+    pub fn innovations_of(&self, models: &[Model], gains: &Gains) -> Vec<Option<Rows>> {
+        let plant = |model| plant(model, &self.record.grid, self.record.drive).ok();
+        let plants: Vec<Option<Box<dyn Plant>>> = models.iter().map(plant).collect();
+        let mut alike: Vec<Vec<usize>> = Vec::new();
+        for number in (0..models.len()).filter(|number| plants[*number].is_some()) {
+            let own = alike.iter_mut().find(|known| are_alike(&models[known[0]], &models[number]));
+            match own {
+                Some(known) => known.push(number),
+                None => alike.push(vec![number]),
+            }
+        }
+        let together: Vec<&[usize]> = alike.iter().flat_map(|own| own.chunks(LANES)).collect();
+        let run = |numbers: &&[usize]| {
+            let own = numbers.iter().filter_map(|number| Some((*number, plants[*number].as_deref()?)));
+            let observers: Vec<Observer<'_>> =
+                own.map(|(number, plant)| self.observer(&models[number], plant)).collect();
+            let joints = abreast(&observers);
+            let rows = match &joints {
+                Some(joints) => run_abreast(&observers, &**joints, gains),
+                None => observers.iter().map(|own| own.innovations(gains)).collect(),
+            };
+            numbers.iter().copied().zip(rows).collect::<Vec<_>>()
+        };
+        let mut found = vec![None; models.len()];
+        for (number, rows) in together.par_iter().flat_map_iter(run).collect::<Vec<_>>() {
+            found[number] = Some(rows);
+        }
+        found
+    }
+}
+
+/// Whether models have the same laws at the same places.
+fn are_alike(one: &Model, other: &Model) -> bool {
+    let laws = |model: &Model| {
+        let effects = model.effects.iter().map(|effect| (effect.kind, effect.location));
+        effects.collect::<Vec<_>>()
+    };
+    one.stages.len() == other.stages.len() && laws(one) == laws(other)
+}
+
+/// The plants of observers side by side; `None` for one alone, or where they are not alike after all.
+fn abreast(observers: &[Observer<'_>]) -> Option<Box<dyn Abreast>> {
+    let [first, _, ..] = observers else { return None };
+    let constants: Option<Vec<_>> = observers.iter().map(|own| own.plant.constants()).collect();
+    let constants = constants?;
+    first.plant.abreast(&constants.iter().collect::<Vec<_>>())
+}
+
+/// [`Observer::innovations`] of observers whose plants are side by side, one of each at least.
+fn run_abreast(observers: &[Observer<'_>], joints: &dyn Abreast, gains: &Gains) -> Vec<Rows> {
+    let first = &observers[0];
+    let of_lane = |lane: usize| observers.get(lane).unwrap_or(first);
+    let designed = gains.order - gains.walks.len();
+    let own = first.layout.len();
+    let common = designed.min(own);
+    let order = own + gains.walks.len();
+    let mut x = vec![[0.0; LANES]; order];
+    let mut rows = vec![vec![[0.0; CHANNELS]; first.record.len()]; observers.len()];
+    for k in 0..first.record.len() {
+        if first.is_idle(k) {
+            continue;
+        }
+        if first.record.starts.contains(&k) {
+            for lane in 0..LANES {
+                let start = of_lane(lane).start(k, order);
+                x.iter_mut().zip(start).for_each(|(x, value)| x[lane] = value);
+            }
+        }
+        for channel in Channel::ALL {
+            let c = channel as usize;
+            let weight = gains.weight[k][c];
+            if weight == 0.0 {
+                continue;
+            }
+            let mut errors = [0.0; LANES];
+            for (lane, error) in errors.iter_mut().enumerate() {
+                let observer = of_lane(lane);
+                let shown = observer.shown_of(channel, |state| x[state][lane], &gains.walks);
+                let own = (observer.late.measured[k][c] - shown) * weight;
+                *error = if own.is_finite() { own } else { 0.0 };
+            }
+            for (rows, error) in rows.iter_mut().zip(&errors) {
+                rows[k][c] = *error;
+            }
+            let slot = (k * CHANNELS + c) * gains.order;
+            let (states, walks) = gains.gain[slot..slot + gains.order].split_at(designed);
+            let (head, tail) = x.split_at_mut(own);
+            let corrected = head[..common].iter_mut().zip(states).chain(tail.iter_mut().zip(walks));
+            for (values, gain) in corrected {
+                for (value, error) in values.iter_mut().zip(&errors) {
+                    *value += gain * error;
+                }
+            }
+        }
+        let mut drive = [first.record.drive_values[k]; LANES];
+        for (walk, push) in gains.walks.iter().zip(&x[own..]) {
+            if walk.equation == Equation::Voltage {
+                drive.iter_mut().zip(push).for_each(|(drive, push)| *drive += push);
+            }
+        }
+        joints.propagate(k, &mut x[..own], drive, first.record.load_nm[k]);
+        let interval = first.record.grid.interval(k);
+        for (j, walk) in gains.walks.iter().enumerate() {
+            if let Equation::Torque(mass) = walk.equation {
+                for lane in 0..LANES {
+                    let torque = x[own + j][lane];
+                    let change = |state: usize, by| x[state][lane] += by;
+                    of_lane(lane).pushed(mass, torque, interval, change);
+                }
+            }
+        }
+    }
+    rows
+}
