@@ -13,8 +13,8 @@ use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
 
 use crate::grid::Grid;
-use crate::model::Model;
 use crate::lanes::{self, Abreast, Constants, Linear};
+use crate::model::Model;
 
 /// Most stages a model has.
 pub const MAX_STAGES: usize = 6;

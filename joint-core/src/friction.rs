@@ -226,7 +226,7 @@ impl<S: Scalar> Friction<S> {
         }
     }
 
-    /// Moves the bristle over half a step in which an effect's factor on g(v) changes; both
+    /// Moves the bristle over half a step in which an effect's factor on g(v) changes, or none does; both
     /// `inverse_levels` are one over it, at the start and at the end.
     ///
     /// A level that follows a vibrating spring pumps or damps that vibration by the bristle's lag
@@ -238,7 +238,7 @@ impl<S: Scalar> Friction<S> {
         &self,
         mass: &mut Mass<S>,
         turn: Option<&Turn<S>>,
-        inverse_levels: [S; 2],
+        inverse_levels: Option<[S; 2]>,
     ) -> Half<S> {
         S::widely(FlowAlong { friction: self, mass, turn, inverse_levels })
     }
@@ -248,9 +248,9 @@ impl<S: Scalar> Friction<S> {
         &self,
         mass: &mut Mass<S>,
         turn: Option<&Turn<S>>,
-        inverse_levels: [S; 2],
+        inverse_levels: Option<[S; 2]>,
     ) -> Half<S> {
-        let [start, end] = inverse_levels;
+        let Some([start, end]) = inverse_levels else { return self.flow(mass, turn) };
         let curve = self.curve(mass.speed);
         let reach = mass.speed.times(self.kappa);
         let decay = reach.abs() * S::PER_REACH * curve.rho * (start + end) * S::HALF;

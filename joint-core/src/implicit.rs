@@ -198,7 +198,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let felt = self.felt(number, stage.deflection, input_angle);
             let mut elastic = own.spring.torque(felt.deflection);
             let mut slope = own.spring.slope(felt.deflection) * felt.contact;
-            if self.effects.has_stages() {
+            if self.effects.has_stage(number) {
                 let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
                 elastic = elastic + beside.value;
                 slope = slope + beside.slope;
@@ -257,7 +257,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     ) -> Row<S> {
         let rubbed = friction.implicit(mass.speed, from.bristle.zeta, inverse_level);
         mass.bristle.zeta = from.bristle.zeta + rubbed.bent;
-        let viscous = if self.effects.has_damping() {
+        let viscous = if self.effects.has_damping(number) {
             friction.sigma2 * self.effects.viscous(number, mass.speed, memory)
                 + self.effects.drag(number, mass.speed)
         } else {

@@ -161,6 +161,7 @@ pub trait Scalar:
     fn from_turn_counts(counts: i32) -> Self;
 
     /// Cosine of an angle in turns, for |turns| ≤ ½.
+    #[inline(always)]
     fn cos_turns(self) -> Self {
         let quarter = Self::HALF * Self::HALF;
         (quarter - self.abs()).sin_turns()

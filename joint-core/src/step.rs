@@ -206,14 +206,19 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         };
         let after = self.levels(state, state.angle.ahead(turned.times(self.half_turn)));
         let levels = [before.0, after.0];
-        let half = self.rotor.flow_along(&mut state.rotor, of_rotor.as_ref(), levels);
+        let half = if self.effects.has_level(0) {
+            self.rotor.flow_along(&mut state.rotor, of_rotor.as_ref(), Some(levels))
+        } else {
+            self.rotor.flow_exactly(&mut state.rotor, of_rotor.as_ref())
+        };
         let mut halves = Each { rotor: half, masses: [half; N] };
         let levels = before.1.into_iter().zip(after.1);
-        let stages = state.stages.iter_mut().zip(&self.stages).zip(&turns);
-        for ((((stage, own), turn), (before, after)), half) in
+        let stages = state.stages.iter_mut().zip(&self.stages).zip(&turns).zip(1..=N);
+        for (((((stage, own), turn), number), (before, after)), half) in
             stages.zip(levels).zip(&mut halves.masses)
         {
-            *half = own.friction.flow_along(&mut stage.mass, turn.as_ref(), [before, after]);
+            let levels = self.effects.has_level(number).then_some([before, after]);
+            *half = own.friction.flow_along(&mut stage.mass, turn.as_ref(), levels);
         }
         halves
     }
@@ -252,16 +257,21 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut level = &mut rotor;
         let stages = state.stages.iter().zip(&self.stages);
         for ((next, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
-            let felt = self.felt(number, stage.deflection, at.angle);
-            let relative = at.speed - stage.mass.speed;
-            let mut torque = constants.spring.torque(felt.deflection)
-                + constants.spring.damping_torque(relative) * felt.contact;
-            if self.effects.has_stages() {
-                let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
-                torque = torque + beside.value;
+            let mut torque = S::ZERO;
+            if self.effects.has_level(number) || self.effects.has_level(number + 1) {
+                let felt = self.felt(number, stage.deflection, at.angle);
+                let relative = at.speed - stage.mass.speed;
+                torque = constants.spring.torque(felt.deflection)
+                    + constants.spring.damping_torque(relative) * felt.contact;
+                if self.effects.has_stage(number) {
+                    let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
+                    torque = torque + beside.value;
+                }
             }
             at.passed_on = torque;
-            *level = self.effects.inverse_level(number, at);
+            if self.effects.has_level(number) {
+                *level = self.effects.inverse_level(number, at);
+            }
             level = next;
             wound = wound + stage.deflection;
             if self.effects.has_angled_levels() || self.effects.has_stages() {
@@ -274,14 +284,16 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 angle: at.angle,
             };
         }
-        *level = self.effects.inverse_level(N, at);
+        if self.effects.has_level(N) {
+            *level = self.effects.inverse_level(N, at);
+        }
         (rotor, levels)
     }
 
     /// What a stage's spring feels.
     #[inline(always)]
     pub(crate) fn felt(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
-        if self.effects.has_stages() {
+        if self.effects.has_stage(stage) {
             self.effects.stage(stage, deflection, input)
         } else {
             Felt { deflection, contact: S::ONE, leverage: S::ONE }
@@ -297,7 +309,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         mass: &Mass<S>,
         memory: &Memory<S>,
     ) -> S {
-        if self.effects.has_damping() {
+        if self.effects.has_damping(number) {
             let viscous = self.effects.viscous(number, mass.speed, memory);
             friction.damping_with(&mass.bristle, viscous) + self.effects.drag(number, mass.speed)
         } else {
@@ -337,7 +349,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let felt = self.felt(stage_number, stage.deflection, input);
             let mut torque = own.spring.torque(felt.deflection);
             *slope = own.spring.slope(felt.deflection) * felt.contact;
-            if self.effects.has_stages() {
+            if self.effects.has_stage(stage_number) {
                 let beside = self.effects.stage_torque(stage_number, felt.deflection, memory);
                 torque = torque + beside.value;
                 *slope = *slope + beside.slope;
@@ -348,13 +360,17 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             mass.force = mass.force + torque;
             mass.damping = self.damping(&own.friction, number, mass, memory);
             wound = wound + stage.deflection;
-            if self.effects.has_torque(number) || self.effects.has_stages() {
+            // The next stage's laws ask for this mass's angle too.
+            if self.effects.has_torque(number) || self.effects.has_stage(number) {
                 let motor = angle.ahead(-wound.times(self.turns));
                 input = own.own_angle(motor);
-                let at = Motion { angle: input, turns: own.shaft.wide(motor), speed: mass.speed };
-                let torque = self.effects.torque(number, at, memory);
-                mass.force = mass.force + torque.value;
-                *mass_slope = -torque.slope;
+                if self.effects.has_torque(number) {
+                    let turns = own.shaft.wide(motor);
+                    let at = Motion { angle: input, turns, speed: mass.speed };
+                    let torque = self.effects.torque(number, at, memory);
+                    mass.force = mass.force + torque.value;
+                    *mass_slope = -torque.slope;
+                }
             }
             before = &mut mass.force;
         }
@@ -382,7 +398,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let exchanged = *spring * (before.1 - moved);
             *before.0 = *before.0 - exchanged;
             *force = *force - shift(*force) + exchanged;
-            if self.effects.has_torque(number) || self.effects.has_stages() {
+            if self.effects.has_torque(number) {
                 *force = *force - *mass_slope * moved;
             }
             before = (force, moved);

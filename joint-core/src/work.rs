@@ -69,7 +69,7 @@ pub(crate) struct FlowAlong<'a, S: Scalar> {
     pub(crate) friction: &'a Friction<S>,
     pub(crate) mass: &'a mut Mass<S>,
     pub(crate) turn: Option<&'a Turn<S>>,
-    pub(crate) inverse_levels: [S; 2],
+    pub(crate) inverse_levels: Option<[S; 2]>,
 }
 
 impl<S: Scalar> Work for FlowAlong<'_, S> {

@@ -45,6 +45,10 @@ impl<S: Scalar> Effects<S> for Worm<S> {
         true
     }
 
+    fn has_level(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
+    }
+
     #[inline(always)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
         if mass != usize::from(self.mass) {

@@ -168,7 +168,8 @@ impl<'a> ScoreTest<'a> {
         };
         let gain = |(coordinates, finite, mut numbers): (Vec<Coordinate>, bool, Range<usize>)| {
             // From a finite start, the start's own innovations take the place of the base model's.
-            let start = if finite { Some(self.prepared(run(numbers.next()?)?, true)) } else { None };
+            let start =
+                if finite { Some(self.prepared(run(numbers.next()?)?, true)) } else { None };
             let moved = numbers.map(run).collect::<Option<Vec<_>>>()?;
             self.gain(&coordinates, start.as_ref(), moved)
         };

@@ -3,6 +3,7 @@
 //!
 //! A derivative by differences, and the score of a name, are a run for every value that may move.
 
+use joint_core::work::Work;
 use rayon::prelude::*;
 
 use super::filter::{Equation, Gains, Observer};
@@ -11,6 +12,7 @@ use super::record::{CHANNELS, Channel};
 use crate::lanes::{Abreast, LANES};
 use crate::model::Model;
 use crate::plant::{Plant, plant};
+use crate::wide;
 
 /// Innovations by sample and channel.
 pub type Rows = Vec<[f64; CHANNELS]>;
@@ -31,12 +33,15 @@ impl Problem<'_> {
         }
         let together: Vec<&[usize]> = alike.iter().flat_map(|own| own.chunks(LANES)).collect();
         let run = |numbers: &&[usize]| {
-            let own = numbers.iter().filter_map(|number| Some((*number, plants[*number].as_deref()?)));
+            let own =
+                numbers.iter().filter_map(|number| Some((*number, plants[*number].as_deref()?)));
             let observers: Vec<Observer<'_>> =
                 own.map(|(number, plant)| self.observer(&models[number], plant)).collect();
             let joints = abreast(&observers);
             let rows = match &joints {
-                Some(joints) => run_abreast(&observers, &**joints, gains),
+                Some(joints) => {
+                    wide::run(Together { observers: &observers, joints: &**joints, gains })
+                }
                 None => observers.iter().map(|own| own.innovations(gains)).collect(),
             };
             numbers.iter().copied().zip(rows).collect::<Vec<_>>()
@@ -66,7 +71,25 @@ fn abreast(observers: &[Observer<'_>]) -> Option<Box<dyn Abreast>> {
     first.plant.abreast(&constants.iter().collect::<Vec<_>>())
 }
 
-/// [`Observer::innovations`] of observers whose plants are side by side, one of each at least.
+/// Observers whose plants are side by side, one at least, and the gains of them all.
+struct Together<'a, 'o> {
+    observers: &'a [Observer<'o>],
+    joints: &'a dyn Abreast,
+    gains: &'a Gains,
+}
+
+impl Work for Together<'_, '_> {
+    type Output = Vec<Rows>;
+
+    /// [`Observer::innovations`] of each.
+    #[inline(always)]
+    fn run(self) -> Vec<Rows> {
+        let Self { observers, joints, gains } = self;
+        run_abreast(observers, joints, gains)
+    }
+}
+
+#[inline(always)]
 fn run_abreast(observers: &[Observer<'_>], joints: &dyn Abreast, gains: &Gains) -> Vec<Rows> {
     let first = &observers[0];
     let of_lane = |lane: usize| observers.get(lane).unwrap_or(first);

@@ -62,6 +62,19 @@ impl Covariance {
         });
     }
 
+    /// Adds `scale` times the product of two vectors, either way round.
+    pub(super) fn add_both_ways(&mut self, scale: f64, one: &[f64], other: &[f64]) {
+        for ((row, own), across) in self.rows.chunks_exact_mut(self.order).zip(one).zip(other) {
+            add_scaled(row, scale * own, other);
+            add_scaled(row, scale * across, one);
+        }
+    }
+
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        self.rows.fill(0.0);
+    }
+
     /// Adds to the variance of one state.
     pub(super) fn add_variance(&mut self, state: usize, variance: f64) {
         self.rows[state * self.order + state] += variance;

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
-use crate::estimate::keep::{Keep, Whole};
+use crate::estimate::keep::{Keep, Measured, Passed, Whole};
 use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record, caught};
 use crate::estimate::slopes::is_of_a_sensor;
@@ -150,6 +150,7 @@ impl<'a> Observer<'a> {
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
                 p = self.start_covariance(k, walks);
+                keep.began();
             }
             for channel in Channel::ALL {
                 let c = channel as usize;
@@ -163,7 +164,11 @@ impl<'a> Observer<'a> {
                 let sensor = noise.sensors[c];
                 let variance = dot(row, &scratch.column) + sensor * sensor;
                 let weight = 1.0 / variance.sqrt();
-                let error = (measured - self.shown(channel, &x, walks)) * weight;
+                let innovation = measured - self.shown(channel, &x, walks);
+                let error = innovation * weight;
+                let column = &scratch.column;
+                let sample = k;
+                keep.measured(&Measured { sample, channel, row, column, innovation, variance });
                 let gains = scratch.gain.iter_mut().zip(&mut x).zip(&scratch.column);
                 for ((gain, x), column) in gains {
                     *gain = column * weight;
@@ -176,6 +181,8 @@ impl<'a> Observer<'a> {
             if k + 1 < samples {
                 self.linearise(k, &mut x, walks, along, (linear.as_deref(), &mut scratch));
                 self.predict(k, &mut p, noise, walks, along, &mut scratch);
+                let Scratch { transition, column: drive, kick, .. } = &scratch;
+                keep.passed(&Passed { transition, drive, kick });
             }
         }
     }

@@ -13,6 +13,7 @@ use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::gram::gram;
 use super::keep::Likelihood;
 use super::record::{CHANNELS, Channel, Record};
+use super::scoring::{Scoring, Source};
 use crate::model::Model;
 use crate::plant::{BuildError, Plant, plant};
 
@@ -179,6 +180,27 @@ impl<'a> Problem<'a> {
         Ok(likelihood.deviance())
     }
 
+    /// The same with its gradient in the logarithms of noises and its expected curvature, along a
+    /// linearisation, which is made if it is empty.
+    ///
+    /// # Errors
+    /// The model cannot be built.
+    pub(super) fn scored_along(
+        &self,
+        along: &mut Cow<'_, Linearisation>,
+        model: &Model,
+        noise: &Noise,
+        sources: &[Source],
+    ) -> Result<(f64, DVector<f64>, DMatrix<f64>), BuildError> {
+        let plant = plant(model, &self.record.grid, self.record.drive)?;
+        let observer = self.observer(model, &*plant);
+        let walks = self.walks();
+        let order = observer.layout.len() + walks.len();
+        let mut scoring = Scoring::over(self.mask, noise, sources, order);
+        observer.run(along, noise, &walks, &mut scoring);
+        Ok(scoring.results())
+    }
+
     /// A design along the linearisation of a model near it, or along one of its own, which is given too.
     pub(super) fn design_near(
         &self,
@@ -223,11 +245,11 @@ impl<'a> Problem<'a> {
 
     /// Masked innovations as one vector.
     pub fn residual(&self, innovations: &[[f64; CHANNELS]]) -> DVector<f64> {
-        let rows = innovations.iter().zip(self.mask);
-        DVector::from_iterator(
-            innovations.len() * CHANNELS,
-            rows.flat_map(|(row, weight)| row.map(|e| if *weight > 0.0 { e } else { 0.0 })),
-        )
+        let mut values = Vec::with_capacity(innovations.len() * CHANNELS);
+        for (row, weight) in innovations.iter().zip(self.mask) {
+            values.extend(if *weight > 0.0 { *row } else { [0.0; CHANNELS] });
+        }
+        DVector::from_vec(values)
     }
 
     /// Fits from a start; `origin` is where the priors are centred.

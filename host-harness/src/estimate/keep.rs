@@ -2,7 +2,29 @@
 //! for the noise asks for more often than all else together.
 
 use super::filter::{Gains, Run, Walk};
-use super::record::CHANNELS;
+use super::record::{CHANNELS, Channel};
+
+/// One measurement, before it corrects anything.
+pub(super) struct Measured<'a> {
+    pub(super) sample: usize,
+    pub(super) channel: Channel,
+    /// What the sensor shows of each state.
+    pub(super) row: &'a [f64],
+    /// The covariance's product with it.
+    pub(super) column: &'a [f64],
+    /// What was measured beyond what was expected, and the variance of that.
+    pub(super) innovation: f64,
+    pub(super) variance: f64,
+}
+
+/// One interval.
+pub(super) struct Passed<'a> {
+    /// By rows: derivative of each state with each.
+    pub(super) transition: &'a [f64],
+    /// Of each state with the drive, and with a torque on the rotor.
+    pub(super) drive: &'a [f64],
+    pub(super) kick: &'a [f64],
+}
 
 /// Something that watches a filter.
 pub(super) trait Keep {
@@ -11,6 +33,12 @@ pub(super) trait Keep {
     fn taken(&mut self, sample: usize, channel: usize, error: f64, weight: f64, gain: &[f64]);
     /// The states after a sample's measurements.
     fn corrected(&mut self, states: &[f64]);
+    /// A log begins.
+    fn began(&mut self) {}
+    /// A measurement is about to be taken.
+    fn measured(&mut self, _at: &Measured<'_>) {}
+    /// The filter was carried over an interval.
+    fn passed(&mut self, _over: &Passed<'_>) {}
 }
 
 /// Gains and innovations, and the states where they are asked for.
@@ -59,6 +87,11 @@ pub(super) struct Likelihood<'m> {
 impl<'m> Likelihood<'m> {
     pub(super) fn over(mask: &'m [f64]) -> Self {
         Self { mask, squares: 0.0, log_variance: 0.0 }
+    }
+
+    /// Which samples it is of.
+    pub(super) fn mask(&self) -> &'m [f64] {
+        self.mask
     }
 
     /// The sum; infinite where the innovations are not numbers.

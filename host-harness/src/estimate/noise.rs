@@ -8,34 +8,54 @@
 
 use std::borrow::Cow;
 
+use joint_core::joint::Drive;
+use joint_core::per_unit::Bases;
+use nalgebra::{DMatrix, DVector};
+
 use super::filter::{Linearisation, Noise};
 use super::fit::Problem;
-use super::record::{CHANNELS, Channel, Record};
+use super::record::{Channel, Record};
+use super::scoring::Source;
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
-use joint_core::joint::Drive;
-use joint_core::per_unit::Bases;
 
-/// Steps of the search, in the logarithm of a noise: the first, and the largest where it goes far.
-const FIRST_STRIDE: f64 = 0.8;
+/// Largest step of the search, in the logarithm of a noise.
 const LARGEST_STRIDE: f64 = 3.2;
 /// Times what is expected that drive and rotor are taken to scatter at most: a filter that believes its
 /// model any less learns nothing from it.
 const MOST: f64 = 8000.0;
-/// Most rounds of it.
-const MOST_ROUNDS: usize = 8;
-/// What a parabola must promise of minus twice the log-likelihood for its lowest point to be tried.
-const WORTH: f64 = 0.5;
+/// Most steps of it, and most attempts at one.
+const MOST_ROUNDS: usize = 10;
+const ATTEMPTS: usize = 4;
+/// What a step must promise of minus twice the log-likelihood to be made.
+const WORTH: f64 = 0.3;
 
 /// One noise that can be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Knob {
-    which: usize,
+    source: Source,
     /// Logarithm of what is expected.
     expected: f64,
     /// One sigma of the expectation, in the logarithm.
     spread: f64,
+}
+
+impl Knob {
+    /// How far a noise is off what is expected, in sigmas.
+    fn off(&self, noise: &Noise) -> f64 {
+        (self.source.sigma(noise).ln() - self.expected) / self.spread
+    }
+
+    /// A noise moved by a step.
+    fn moved(&self, noise: &Noise, step: f64) -> Noise {
+        let most = match self.source {
+            Source::Sensor(_) => f64::INFINITY,
+            Source::Drive | Source::Torque => self.expected + MOST.ln(),
+        };
+        let there = (self.source.sigma(noise).ln() + step).min(most);
+        self.source.with_sigma(noise, there.exp())
+    }
 }
 
 /// What noise a record's sensors and a joint's nature lead one to expect.
@@ -89,71 +109,83 @@ pub fn refine_along(
     expected: &Noise,
     start: &Noise,
 ) -> Result<Noise, BuildError> {
-    let mut knobs = vec![Knob { which: 1, expected: expected.torque.ln(), spread: 0.7 }];
+    let mut knobs =
+        vec![Knob { source: Source::Torque, expected: expected.torque.ln(), spread: 0.7 }];
     if problem.record.drive == Drive::Voltage {
-        knobs.push(Knob { which: 0, expected: expected.drive.ln(), spread: 0.7 });
+        let expected = expected.drive.ln();
+        knobs.push(Knob { source: Source::Drive, expected, spread: 0.7 });
     }
     for channel in Channel::ALL {
         if problem.record.has(channel) && !known(model, channel) {
             let expected = expected.sensors[channel as usize].ln();
-            knobs.push(Knob { which: 2 + channel as usize, expected, spread: 3.0 });
+            knobs.push(Knob { source: Source::Sensor(channel), expected, spread: 3.0 });
         }
     }
-    let prior = |noise: &Noise| -> f64 {
-        let off = |knob: &Knob| (get(noise, knob.which).ln() - knob.expected) / knob.spread;
-        knobs.iter().map(|knob| off(knob).powi(2)).sum()
-    };
-    let mut best = problem.design_along(along, model, start)?.deviance + prior(start);
-    let cost = |noise: &Noise| -> Result<f64, BuildError> {
-        Ok(problem.deviance_along(along, model, noise)? + prior(noise))
+    let sources: Vec<Source> = knobs.iter().map(|knob| knob.source).collect();
+    let mut scored = |noise: &Noise| -> Result<Scored, BuildError> {
+        let (mut cost, mut gradient, mut curvature) =
+            problem.scored_along(along, model, noise, &sources)?;
+        for (k, knob) in knobs.iter().enumerate() {
+            let off = knob.off(noise);
+            cost += off * off;
+            gradient[k] += 2.0 * off / knob.spread;
+            curvature[(k, k)] += 2.0 / (knob.spread * knob.spread);
+        }
+        Ok(Scored { cost, gradient, curvature })
     };
     let mut noise = *start;
-    let mut stride = FIRST_STRIDE;
+    let mut here = scored(&noise)?;
+    let mut damping = 0.0;
     for _ in 0..MOST_ROUNDS {
-        if interrupt::asked() {
-            break;
-        }
-        let mut farthest = 0.0_f64;
-        for knob in &knobs {
-            let here = get(&noise, knob.which).ln();
-            let moved = |shift: f64| {
-                let mut moved = noise;
-                let most = if knob.which < 2 { knob.expected + MOST.ln() } else { f64::INFINITY };
-                set(&mut moved, knob.which, (here + shift).min(most).exp());
-                moved
-            };
-            let (high, low) = rayon::join(|| cost(&moved(stride)), || cost(&moved(-stride)));
-            let mut trials = vec![(high?, stride), (low?, -stride)];
-            let [(high, _), (low, _)] = trials[..] else { continue };
-            // The parabola through three points, kept within twice the stride.
-            let bend = high + low - 2.0 * best;
-            let slope = low - high;
-            let mut shift = if slope > 0.0 { 2.0 * stride } else { -2.0 * stride };
-            let mut promised = f64::INFINITY;
-            if bend > 0.0 {
-                shift = (0.5 * stride * slope / bend).clamp(-2.0 * stride, 2.0 * stride);
-                promised = slope * slope / (8.0 * bend) - (best - high.min(low)).max(0.0);
+        let mut better = None;
+        for _ in 0..ATTEMPTS {
+            if interrupt::asked() {
+                break;
             }
-            if promised > WORTH {
-                trials.push((cost(&moved(shift))?, shift));
+            let Some((step, promised)) = here.step(damping) else { break };
+            if promised < WORTH {
+                break;
             }
-            let chosen = trials.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((lower, shift)) = chosen.filter(|(trial, _)| *trial < best) {
-                noise = moved(*shift);
-                farthest = farthest.max(shift.abs());
-                best = *lower;
+            let moved = knobs.iter().zip(step.iter());
+            let moved = moved.fold(noise, |noise, (knob, step)| knob.moved(&noise, *step));
+            let there = scored(&moved)?;
+            if there.cost < here.cost {
+                better = Some((moved, there));
+                break;
             }
+            damping = 10.0 * f64::max(damping, 0.1);
         }
-        if farthest < 0.1 {
-            break;
-        }
-        if farthest < stride {
-            stride *= 0.5;
-        } else if farthest > 1.5 * stride {
-            stride = (2.0 * stride).min(LARGEST_STRIDE);
-        }
+        let Some((moved, there)) = better else { break };
+        (noise, here) = (moved, there);
+        damping = if damping > 0.5 { 0.1 * damping } else { 0.0 };
     }
     Ok(noise)
+}
+
+/// What a noise costs, priors included, and how that changes with the logarithms.
+struct Scored {
+    cost: f64,
+    gradient: DVector<f64>,
+    curvature: DMatrix<f64>,
+}
+
+impl Scored {
+    /// Where to go, and what that promises. A step of the logarithm is one of a variance first: a sensor
+    /// that scatters r times what was taken, squared, asks for (r − 1)/2 there and for ln(r)/2.
+    fn step(&self, damping: f64) -> Option<(DVector<f64>, f64)> {
+        let mut damped = self.curvature.clone();
+        for k in 0..damped.nrows() {
+            damped[(k, k)] *= 1.0 + damping;
+        }
+        let step = -damped.cholesky()?.solve(&self.gradient);
+        let promised = -step.dot(&(&self.gradient + 0.5 * &self.curvature * &step));
+        let bent = step.map(|step| {
+            let least = (-2.0 * LARGEST_STRIDE).exp();
+            (0.5 * (1.0 + 2.0 * step).max(least).ln()).min(LARGEST_STRIDE)
+        });
+        (promised.is_finite() && bent.iter().all(|step| step.is_finite()))
+            .then_some((bent, promised))
+    }
 }
 
 /// Whether the model says what this sensor adds.
@@ -165,27 +197,81 @@ fn known(model: &Model, channel: Channel) -> bool {
     }
 }
 
-fn get(noise: &Noise, which: usize) -> f64 {
-    match which {
-        0 => noise.drive,
-        1 => noise.torque,
-        k => noise.sensors[(k - 2).min(CHANNELS - 1)],
-    }
-}
-
-fn set(noise: &mut Noise, which: usize, value: f64) {
-    match which {
-        0 => noise.drive = value,
-        1 => noise.torque = value,
-        k => noise.sensors[(k - 2).min(CHANNELS - 1)] = value,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::demo::actuator;
     use crate::log::Log;
+
+    #[test]
+    fn slope_and_curvature_of_the_likelihood_are_those_of_its_differences() {
+        let model = actuator();
+        let log = crate::synthetic::record(&model, &crate::synthetic::Experiment::clean(0.4), 5);
+        let record = Record::join(&[log.unwrap()], None).unwrap();
+        let mask: Vec<f64> =
+            (0..record.len()).map(|k| f64::from(u8::from(k % 700 < 500))).collect();
+        let problem = Problem::new(&record, &mask);
+        let expected = expected(&model, &record);
+        let start =
+            Noise { torque: 3.0 * expected.torque, drive: 0.5 * expected.drive, ..expected };
+        let sources = [
+            Source::Torque,
+            Source::Drive,
+            Source::Sensor(Channel::Motor),
+            Source::Sensor(Channel::Current),
+        ];
+        let along = &mut Cow::Owned(Linearisation::default());
+        let (cost, gradient, curvature) =
+            problem.scored_along(along, &model, &start, &sources).unwrap();
+        let plain = |noise: &Noise| problem.deviance_along(along, &model, noise).unwrap();
+        assert!((plain(&start) - cost).abs() < 1e-9 * cost.abs());
+        let step = 1e-3;
+        for (k, source) in sources.into_iter().enumerate() {
+            let at =
+                |step: f64| plain(&source.with_sigma(&start, source.sigma(&start) * step.exp()));
+            let (up, down) = (at(step), at(-step));
+            let slope = (up - down) / (2.0 * step);
+            assert!(
+                (gradient[k] - slope).abs() < 1e-3 * slope.abs() + 0.1,
+                "{source:?}: {} {slope}",
+                gradient[k]
+            );
+            assert!(curvature[(k, k)] > 0.0);
+        }
+    }
+
+    #[test]
+    fn the_noise_that_is_found_is_where_no_step_helps() {
+        let model = actuator();
+        let log = crate::synthetic::record(&model, &crate::synthetic::Experiment::clean(0.4), 5);
+        let record = Record::join(&[log.unwrap()], None).unwrap();
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask);
+        let expected = expected(&model, &record);
+        let along = &mut Cow::Owned(Linearisation::default());
+        let mut found = Vec::new();
+        for times in [0.02, 1.0, 300.0] {
+            let start = expected.distrusted(times);
+            let noise = refine_along(&problem, along, &model, &expected, &start).unwrap();
+            let prior = |noise: &Noise| {
+                let off = [(noise.torque, expected.torque), (noise.drive, expected.drive)];
+                off.map(|(own, expected)| ((own / expected).ln() / 0.7).powi(2)).iter().sum::<f64>()
+            };
+            let cost = |noise: &Noise| {
+                problem.deviance_along(along, &model, noise).unwrap() + prior(noise)
+            };
+            let here = cost(&noise);
+            for shift in [-0.3_f64, 0.3] {
+                let torque = Noise { torque: noise.torque * shift.exp(), ..noise };
+                let drive = Noise { drive: noise.drive * shift.exp(), ..noise };
+                assert!(cost(&torque).min(cost(&drive)) > here - WORTH, "{times} {shift}");
+            }
+            found.push(here);
+        }
+        let spread = found.iter().fold(f64::MIN, |a, b| a.max(*b))
+            - found.iter().fold(f64::MAX, |a, b| a.min(*b));
+        assert!(spread < 2.0 * WORTH, "{found:?}");
+    }
 
     #[test]
     fn a_measured_current_as_the_input_brings_its_sensors_noise() {

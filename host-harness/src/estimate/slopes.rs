@@ -1,6 +1,8 @@
 //! Derivatives of a record's innovations with what moves a model: by differences, of models that are run
 //! side by side.
 
+use std::borrow::Cow;
+
 use joint_core::effect::Kind;
 use nalgebra::{DMatrix, DVector};
 
@@ -69,32 +71,41 @@ impl Problem<'_> {
                 }
             }
         }
-        let runs = self.innovations_of(&models, gains);
-        let mut runs = runs.iter().map(|rows| Some(self.residual(rows.as_ref()?)));
+        let mut runs = self.innovations_of(&models, gains).into_iter();
         let own = runs.next().flatten();
-        let mut column = |way: Way| {
+        let mut jacobian = DMatrix::zeros(self.record.len() * CHANNELS, coordinates.len());
+        for (mut column, way) in jacobian.column_iter_mut().zip(ways) {
             let one = runs.next().flatten();
-            let other = if let Way::Central(_) = way { runs.next().flatten() } else { None };
-            Some(match way {
-                Way::Short(step) => (one? - own.as_ref()?) / step,
-                Way::Long(step) => (one? - here?) / step,
-                Way::Central(step) => (one? - other?) / (2.0 * step),
-            })
-        };
-        let rows = self.record.len() * CHANNELS;
-        let columns: Vec<DVector<f64>> =
-            ways.into_iter().map(|way| column(way).unwrap_or_else(|| DVector::zeros(rows))).collect();
-        if columns.is_empty() {
-            return DMatrix::zeros(rows, 0);
+            let (other, step) = match way {
+                Way::Short(step) => (own.as_ref().map(|own| Cow::Borrowed(&own[..])), step),
+                Way::Long(step) => (None, step),
+                Way::Central(step) => (runs.next().flatten().map(Cow::Owned), 2.0 * step),
+            };
+            let Some(one) = one else { continue };
+            let column = column.as_mut_slice().as_chunks_mut::<CHANNELS>().0;
+            let mut take = |k: usize, other: &[f64]| {
+                for ((slope, one), other) in column[k].iter_mut().zip(&one[k]).zip(other) {
+                    *slope = (one - other) / step;
+                }
+            };
+            for k in (0..self.record.len()).filter(|k| self.mask[*k] > 0.0) {
+                match (&other, here) {
+                    (Some(other), _) => take(k, &other[k]),
+                    (None, Some(here)) => take(k, &here.as_slice()[k * CHANNELS..]),
+                    (None, None) => {}
+                }
+            }
         }
-        DMatrix::from_columns(&columns)
+        jacobian
     }
 
     /// A short step that is long beside rounding.
     fn short_step(&self, gains: &Gains) -> f64 {
         let rows = self.record.measured.iter().zip(&gains.weight);
         let finest = rows
-            .flat_map(|(row, weights)| row.iter().zip(weights).map(|(value, weight)| value * weight))
+            .flat_map(|(row, weights)| {
+                row.iter().zip(weights).map(|(value, weight)| value * weight)
+            })
             .fold(0.0, |most: f64, value| most.max(value.abs()));
         (f64::EPSILON * finest / ROUNDING).max(SHORT)
     }
@@ -120,8 +131,6 @@ impl Problem<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::borrow::Cow;
-
     use joint_core::effect::EffectParameters;
     use joint_core::params::Location;
 
@@ -131,7 +140,7 @@ mod tests {
     use crate::estimate::record::Record;
     use crate::estimate::{noise, twin};
     use crate::log::Log;
-    use crate::plant::{Layout, micro_steps};
+    use crate::plant::micro_steps;
     use crate::scenario::paper;
 
     /// A joint with several laws, among them one that remembers and one of a sensor.

@@ -109,11 +109,8 @@ impl<const N: usize> Woven<N> {
         let mut state = empty();
         let turns = flat[Layout::ANGLE].map(|angle| angle / TAU);
         let whole = turns.map(f64::round);
-        state.angle = Angle {
-            whole: Lanes(whole),
-            part: Lanes(turns) - Lanes(whole),
-            lost: Lanes::ZERO,
-        };
+        state.angle =
+            Angle { whole: Lanes(whole), part: Lanes(turns) - Lanes(whole), lost: Lanes::ZERO };
         state.current = Lanes(flat[Layout::CURRENT]) * self.current[1];
         let masses = [&mut state.rotor].into_iter();
         let masses = masses.chain(state.stages.iter_mut().map(|stage| &mut stage.mass));

@@ -260,11 +260,7 @@ mod tests {
     const SOME: [f64; LANES] = [0.3, -0.4, 0.01, -0.49, 0.0, 2.5e-7, 0.4999, -1e-3];
     const OTHERS: [f64; LANES] = [1.7, 2.5, 1.01, 30.0, 1.0, 63.9, 64.1, 700.0];
 
-    fn check(
-        name: &str,
-        of: impl Fn(Lanes, Lanes) -> Lanes,
-        plain: impl Fn(f64, f64) -> f64,
-    ) {
+    fn check(name: &str, of: impl Fn(Lanes, Lanes) -> Lanes, plain: impl Fn(f64, f64) -> f64) {
         let found = of(Lanes(SOME), Lanes(OTHERS)).0;
         for lane in 0..LANES {
             let wanted = plain(SOME[lane], OTHERS[lane]);
@@ -298,11 +294,15 @@ mod tests {
         check!("bend", |x, y| y.relaxed(x, y, y));
         check!("sum kept", |x, y| x.plus(y, x).0);
         check!("along", |x, y| y.along(x));
-        check("turns", |x, y| Lanes::wrapped_turns(Lanes::whole(-7), y, x, y), |x, y| {
-            f64::wrapped_turns(-7, y, x, y)
-        });
-        check("all turns", |x, y| Lanes::wide_turns(Lanes::whole(3), x, y), |x, y| {
-            f64::wide_turns(3, x, y)
-        });
+        check(
+            "turns",
+            |x, y| Lanes::wrapped_turns(Lanes::whole(-7), y, x, y),
+            |x, y| f64::wrapped_turns(-7, y, x, y),
+        );
+        check(
+            "all turns",
+            |x, y| Lanes::wide_turns(Lanes::whole(3), x, y),
+            |x, y| f64::wide_turns(3, x, y),
+        );
     }
 }

@@ -46,12 +46,16 @@ impl<S: Scalar> AsymmetricFriction<S> {
 }
 
 impl<S: Scalar> Effects<S> for AsymmetricFriction<S> {
-    fn has_damping(&self) -> bool {
-        true
+    fn has_damping(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
     }
 
     fn has_levels(&self) -> bool {
         true
+    }
+
+    fn has_level(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
     }
 
     #[inline(always)]

@@ -40,6 +40,10 @@ impl<S: Scalar> Effects<S> for Backlash<S> {
         true
     }
 
+    fn has_stage(&self, stage: usize) -> bool {
+        stage == usize::from(self.stage)
+    }
+
     #[inline(always)]
     fn stage(&self, stage: usize, deflection: S, _input: Angle<S>) -> Felt<S> {
         if stage != usize::from(self.stage) {

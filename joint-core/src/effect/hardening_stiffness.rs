@@ -43,6 +43,10 @@ impl<S: Scalar> Effects<S> for HardeningStiffness<S> {
         true
     }
 
+    fn has_stage(&self, stage: usize) -> bool {
+        stage == usize::from(self.stage)
+    }
+
     #[inline(always)]
     fn stage_torque(&self, stage: usize, felt: S, _memory: &Memory<S>) -> Torque<S> {
         if stage != usize::from(self.stage) {

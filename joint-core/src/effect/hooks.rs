@@ -170,6 +170,12 @@ pub trait Effects<S: Scalar> {
         false
     }
 
+    /// Whether it changes the level of this mass.
+    #[inline(always)]
+    fn has_level(&self, _mass: usize) -> bool {
+        false
+    }
+
     /// Whether that also needs the angles of the masses.
     #[inline(always)]
     fn has_angled_levels(&self) -> bool {
@@ -195,9 +201,15 @@ pub trait Effects<S: Scalar> {
         false
     }
 
-    /// Whether [`Effects::viscous`] and [`Effects::drag`] are to be called.
+    /// Whether it acts in this stage.
     #[inline(always)]
-    fn has_damping(&self) -> bool {
+    fn has_stage(&self, _stage: usize) -> bool {
+        false
+    }
+
+    /// Whether [`Effects::viscous`] and [`Effects::drag`] are to be called for this mass.
+    #[inline(always)]
+    fn has_damping(&self, _mass: usize) -> bool {
         false
     }
 

@@ -41,6 +41,10 @@ impl<S: Scalar> Effects<S> for LoadDependentFriction<S> {
         true
     }
 
+    fn has_level(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
+    }
+
     #[inline(always)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
         if mass == usize::from(self.mass) {

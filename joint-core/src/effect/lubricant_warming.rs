@@ -55,8 +55,8 @@ impl<S: Scalar> LubricantWarming<S> {
 }
 
 impl<S: Scalar> Effects<S> for LubricantWarming<S> {
-    fn has_damping(&self) -> bool {
-        true
+    fn has_damping(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
     }
 
     fn has_memory(&self) -> bool {

@@ -51,6 +51,10 @@ impl<S: Scalar> Effects<S> for PositionDependentFriction<S> {
         true
     }
 
+    fn has_level(&self, mass: usize) -> bool {
+        mass == usize::from(self.mass)
+    }
+
     fn has_angled_levels(&self) -> bool {
         true
     }

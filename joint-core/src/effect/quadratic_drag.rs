@@ -31,8 +31,8 @@ impl<S: Scalar> QuadraticDrag<S> {
 }
 
 impl<S: Scalar> Effects<S> for QuadraticDrag<S> {
-    fn has_damping(&self) -> bool {
-        true
+    fn has_damping(&self, mass: usize) -> bool {
+        mass == 0
     }
 
     #[inline(always)]

@@ -102,31 +102,42 @@ pub struct EffectSet<S: Scalar> {
 /// Which hooks a set has, found when it is built, so that the step passes over the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Uses {
-    /// A bit for every mass that a torque acts on.
+    /// A bit for every mass that a torque acts on, whose level or whose damping is changed, and for
+    /// every stage.
     torques: u32,
-    levels: bool,
+    levels: u32,
+    damping: u32,
+    stages: u32,
     angled_levels: bool,
     drops: bool,
     constants: bool,
-    stages: bool,
-    damping: bool,
     memory: bool,
+}
+
+#[inline(always)]
+fn is_marked(bits: u32, place: usize) -> bool {
+    bits & 1_u32.wrapping_shl(place as u32) != 0
 }
 
 impl Uses {
     fn with<S: Scalar>(self, effect: &Effect<S>) -> Self {
-        law!(effect, law => Self {
-            torques: (0..32_usize).fold(self.torques, |bits, mass| {
-                bits | u32::from(Effects::<S>::has_torque(law, mass)) << mass
-            }),
-            levels: self.levels | Effects::<S>::has_levels(law),
-            angled_levels: self.angled_levels | Effects::<S>::has_angled_levels(law),
-            drops: self.drops | Effects::<S>::has_drops(law),
-            constants: self.constants | Effects::<S>::has_constants(law),
-            stages: self.stages | Effects::<S>::has_stages(law),
-            damping: self.damping | Effects::<S>::has_damping(law),
-            memory: self.memory | Effects::<S>::has_memory(law),
-        })
+        let mut uses = self;
+        for place in 0..32_usize {
+            law!(effect, law => {
+                let mark = |bits: &mut u32, has: bool| *bits |= u32::from(has) << place;
+                mark(&mut uses.torques, Effects::<S>::has_torque(law, place));
+                mark(&mut uses.levels, Effects::<S>::has_level(law, place));
+                mark(&mut uses.damping, Effects::<S>::has_damping(law, place));
+                mark(&mut uses.stages, Effects::<S>::has_stage(law, place));
+            });
+        }
+        law!(effect, law => {
+            uses.angled_levels |= Effects::<S>::has_angled_levels(law);
+            uses.drops |= Effects::<S>::has_drops(law);
+            uses.constants |= Effects::<S>::has_constants(law);
+            uses.memory |= Effects::<S>::has_memory(law);
+        });
+        uses
     }
 }
 
@@ -208,12 +219,17 @@ macro_rules! asked {
 impl<S: Scalar> Effects<S> for EffectSet<S> {
     #[inline(always)]
     fn has_torque(&self, mass: usize) -> bool {
-        self.uses.torques & 1_u32.wrapping_shl(mass as u32) != 0
+        is_marked(self.uses.torques, mass)
     }
 
     #[inline(always)]
     fn has_levels(&self) -> bool {
-        self.uses.levels
+        self.uses.levels != 0
+    }
+
+    #[inline(always)]
+    fn has_level(&self, mass: usize) -> bool {
+        is_marked(self.uses.levels, mass)
     }
 
     #[inline(always)]
@@ -233,12 +249,17 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline(always)]
     fn has_stages(&self) -> bool {
-        self.uses.stages
+        self.uses.stages != 0
     }
 
     #[inline(always)]
-    fn has_damping(&self) -> bool {
-        self.uses.damping
+    fn has_stage(&self, stage: usize) -> bool {
+        is_marked(self.uses.stages, stage)
+    }
+
+    #[inline(always)]
+    fn has_damping(&self, mass: usize) -> bool {
+        is_marked(self.uses.damping, mass)
     }
 
     #[inline(always)]

@@ -53,6 +53,10 @@ impl<S: Scalar> Effects<S> for StructuralHysteresis<S> {
         true
     }
 
+    fn has_stage(&self, stage: usize) -> bool {
+        stage == usize::from(self.stage)
+    }
+
     fn has_memory(&self) -> bool {
         true
     }

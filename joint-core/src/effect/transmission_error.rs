@@ -56,6 +56,10 @@ impl<S: Scalar> Effects<S> for TransmissionError<S> {
         true
     }
 
+    fn has_stage(&self, stage: usize) -> bool {
+        stage == usize::from(self.stage)
+    }
+
     #[inline(always)]
     fn stage(&self, stage: usize, deflection: S, input: Angle<S>) -> Felt<S> {
         if stage != usize::from(self.stage) {
