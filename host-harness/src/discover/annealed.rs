@@ -14,7 +14,7 @@ use super::findings::ScoreRow;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::protected::{conclude, gained};
 use super::score_test::ScoreTest;
-use super::search::{Contender, LEAST_GAIN, Search, Stage, WEAK, title};
+use super::search::{Contender, FAR_BEHIND, LEAST_GAIN, Search, Stage, WEAK, title};
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::refit::{self, DOUBTFUL, cost};
@@ -124,8 +124,10 @@ pub(super) fn add_annealed(
         }
     }
     let best = tried.iter().map(|(contender, _)| contender.gain).fold(0.0, f64::max);
-    // What is near the best is compared where each gains nothing more.
-    let near = tried.par_iter_mut().filter(|(contender, _)| contender.gain >= NEAR * best);
+    // What is near the best is compared where each gains nothing more; of a base beyond all numbers
+    // everything takes nearly all.
+    let least = best - ((1.0 - NEAR) * best).min(FAR_BEHIND);
+    let near = tried.par_iter_mut().filter(|(contender, _)| contender.gain >= least);
     near.try_for_each(|(contender, stage)| {
         let fit = stage.fit.clone();
         stage.fit = refit::polish_on(&problem, &stage.origin, fit, &expected)?;

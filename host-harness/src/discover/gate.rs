@@ -11,7 +11,6 @@ use crate::estimate::refit::{DOUBTFUL, RUGGED};
 use crate::estimate::twin::null_innovations;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Most that the noise on the drive may exceed what is expected.
@@ -22,6 +21,8 @@ const TORQUE_EXCESS: f64 = 4.5;
 pub(super) const PLAIN_TORQUE_EXCESS: f64 = DOUBTFUL;
 /// Twins that tell what a right model leaves.
 const TWINS: u64 = 6;
+/// The first of their seeds.
+const SEED: u64 = 100;
 /// Most that an autocorrelation may differ from the twins', beyond what theirs scatter: an encoder that
 /// stands on a count for long correlates as the moment has it.
 const COLOUR: f64 = 0.1;
@@ -81,10 +82,9 @@ impl Remainder {
             rugged: fit.model.stages.len() >= RUGGED,
             ..Self::default()
         };
-        let nulls = (0..TWINS)
-            .into_par_iter()
-            .map(|seed| null_innovations(&fit.model, problem, &fit.noise, 100 + seed))
-            .collect::<Result<Vec<_>, _>>()?;
+        let gains = problem.design(&fit.model, &fit.noise)?.gains;
+        let seeds = SEED..SEED + TWINS;
+        let nulls = null_innovations(&fit.model, problem, &fit.noise, &gains, seeds)?;
         for channel in Channel::ALL {
             let c = channel as usize;
             if !problem.record.has(channel) {

@@ -74,10 +74,8 @@ impl<'a> ScoreTest<'a> {
         let offset = DVector::from_iterator(base.coordinates.len(), offset);
         let curvature = gram(&jacobian) + DMatrix::from_diagonal(&precision);
         let curvature = curvature.cholesky()?;
-        let nulls: Vec<_> = (0..twins)
-            .into_par_iter()
-            .filter_map(|seed| null_innovations(&base.model, &problem, &base.noise, seed).ok())
-            .collect();
+        let (model, noise, gains) = (&base.model, &base.noise, &base.gains);
+        let nulls = null_innovations(model, &problem, noise, gains, 0..twins).ok()?;
         let plant = plant(&base.model, &problem.record.grid, problem.record.drive).ok()?;
         let observer = Observer::new(&base.model, &*plant, problem.record);
         let mut along = Cow::Owned(Linearisation::default());

@@ -55,6 +55,8 @@ pub(super) const DOUBTED: f64 = 3.0;
 pub const CALM: f64 = 1.5;
 /// Most of the noise that a name may leave of a lost base to be followed by another.
 pub(super) const HELPS: f64 = 0.8;
+/// What a base must be behind a name for its last refinement to be left out.
+pub(super) const FAR_BEHIND: f64 = 10.0 * WEAK;
 /// What a base must owe to its challengers for the round to be worth another look.
 pub const WORTH_ANOTHER: f64 = 20.0;
 /// Looks at one round.
@@ -465,8 +467,9 @@ pub fn bared(
     // A name that is large is not owed to a hollow.
     let small = base.fit.noise.times(expected) <= LOST || !base.fit.model.effects.is_empty();
     let rugged = !origin.stages.is_empty();
+    let far = |fit: &Fit| cost(fit) - cost(&won.fit) > FAR_BEHIND;
     let (fit, again) = rayon::join(
-        || refit::polish(problem, origin, &start, moved, expected, noise),
+        || refit::polish_unless(far, problem, origin, &start, moved, expected, noise),
         || (rugged && small).then(|| refit::cooled(problem, origin, &base.fit, expected)),
     );
     let mut fit = fit?;

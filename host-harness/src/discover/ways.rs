@@ -7,12 +7,10 @@ use super::gate::PLAIN_TORQUE_EXCESS;
 use super::protected::add_protected;
 use super::search::{Contender, LOST, Search, add_settled, excess};
 use crate::estimate::fit::Problem;
-use crate::estimate::refit::cost;
+use crate::estimate::refit::{ADRIFT, cost};
 use crate::interrupt;
 use crate::plant::BuildError;
 
-/// Times the expected noise from which on a fit tells nothing, but for want of better.
-const ADRIFT: f64 = 100.0;
 /// Share of the noise that is left where growing trust has found what is missing most.
 const EXPLAINED: f64 = 0.1;
 

@@ -37,14 +37,7 @@ impl Problem<'_> {
                 numbers.iter().filter_map(|number| Some((*number, plants[*number].as_deref()?)));
             let observers: Vec<Observer<'_>> =
                 own.map(|(number, plant)| self.observer(&models[number], plant)).collect();
-            let joints = abreast(&observers);
-            let rows = match &joints {
-                Some(joints) => {
-                    wide::run(Together { observers: &observers, joints: &**joints, gains })
-                }
-                None => observers.iter().map(|own| own.innovations(gains)).collect(),
-            };
-            numbers.iter().copied().zip(rows).collect::<Vec<_>>()
+            numbers.iter().copied().zip(innovations(&observers, gains)).collect::<Vec<_>>()
         };
         let mut found = vec![None; models.len()];
         for (number, rows) in together.par_iter().flat_map_iter(run).collect::<Vec<_>>() {
@@ -61,6 +54,15 @@ fn are_alike(one: &Model, other: &Model) -> bool {
         effects.collect::<Vec<_>>()
     };
     one.stages.len() == other.stages.len() && laws(one) == laws(other)
+}
+
+/// [`Observer::innovations`] of observers, no more than there are lanes, whose records differ in what was
+/// measured alone; side by side if their plants are alike.
+pub(super) fn innovations(observers: &[Observer<'_>], gains: &Gains) -> Vec<Rows> {
+    match abreast(observers) {
+        Some(joints) => wide::run(Together { observers, joints: &*joints, gains }),
+        None => observers.iter().map(|own| own.innovations(gains)).collect(),
+    }
 }
 
 /// The plants of observers side by side; `None` for one alone, or where they are not alike after all.

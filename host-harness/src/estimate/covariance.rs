@@ -55,8 +55,9 @@ impl Covariance {
 
     /// Adds `scale` times the square of a vector.
     pub(super) fn add_square(&mut self, scale: f64, vector: &[f64]) {
-        of_order!(self.order, N => add_square::<N>(&mut self.rows, scale, vector), {
-            for (row, own) in self.rows.chunks_exact_mut(self.order).zip(vector) {
+        let rows = &mut self.rows;
+        of_order!(self.order, N => wide::run(AddSquare::<N>(rows, scale, vector)), {
+            for (row, own) in rows.chunks_exact_mut(self.order).zip(vector) {
                 add_scaled(row, scale * own, vector);
             }
         });
@@ -64,10 +65,13 @@ impl Covariance {
 
     /// Adds `scale` times the product of two vectors, either way round.
     pub(super) fn add_both_ways(&mut self, scale: f64, one: &[f64], other: &[f64]) {
-        for ((row, own), across) in self.rows.chunks_exact_mut(self.order).zip(one).zip(other) {
-            add_scaled(row, scale * own, other);
-            add_scaled(row, scale * across, one);
-        }
+        let rows = &mut self.rows;
+        of_order!(self.order, N => wide::run(AddBothWays::<N>(rows, scale, one, other)), {
+            for ((row, own), across) in rows.chunks_exact_mut(self.order).zip(one).zip(other) {
+                add_scaled(row, scale * own, other);
+                add_scaled(row, scale * across, one);
+            }
+        });
     }
 
     /// Forgets everything.
@@ -128,14 +132,40 @@ fn times<const N: usize>(rows: &[f64], sensor: &[f64], product: &mut [f64]) {
     product[..N].copy_from_slice(&sum);
 }
 
-fn add_square<const N: usize>(rows: &mut [f64], scale: f64, vector: &[f64]) {
-    let mut own = [0.0; N];
-    own.copy_from_slice(&vector[..N]);
-    for (row, weight) in rows.as_chunks_mut::<N>().0.iter_mut().zip(own) {
-        let weight = scale * weight;
-        if weight != 0.0 {
-            for (row, own) in row.iter_mut().zip(own) {
-                *row += weight * own;
+struct AddSquare<'a, const N: usize>(&'a mut [f64], f64, &'a [f64]);
+
+impl<const N: usize> Work for AddSquare<'_, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self(rows, scale, vector) = self;
+        let mut own = [0.0; N];
+        own.copy_from_slice(&vector[..N]);
+        for (row, weight) in rows.as_chunks_mut::<N>().0.iter_mut().zip(own) {
+            let weight = scale * weight;
+            if weight != 0.0 {
+                for (row, own) in row.iter_mut().zip(own) {
+                    *row += weight * own;
+                }
+            }
+        }
+    }
+}
+
+struct AddBothWays<'a, const N: usize>(&'a mut [f64], f64, &'a [f64], &'a [f64]);
+
+impl<const N: usize> Work for AddBothWays<'_, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self(rows, scale, one, other) = self;
+        let (mut a, mut b) = ([0.0; N], [0.0; N]);
+        a.copy_from_slice(&one[..N]);
+        b.copy_from_slice(&other[..N]);
+        for (k, row) in rows.as_chunks_mut::<N>().0.iter_mut().enumerate().take(N) {
+            let [by_a, by_b] = [scale * b[k], scale * a[k]];
+            for ((row, a), b) in row.iter_mut().zip(a).zip(b) {
+                *row += by_a * a + by_b * b;
             }
         }
     }

@@ -115,6 +115,11 @@ impl<'a> Problem<'a> {
         Self { worth: ROUGH, ..self }
     }
 
+    /// Whether it is content with fits near enough to be told apart.
+    pub(super) fn is_rough(&self) -> bool {
+        self.worth >= ROUGH
+    }
+
     /// The same by differences, or by the slope at a place.
     pub fn long_sighted(self, long_sighted: bool) -> Self {
         Self { long_sighted, ..self }

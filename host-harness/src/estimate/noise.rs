@@ -28,8 +28,10 @@ const MOST: f64 = 8000.0;
 /// Most steps of it, and most attempts at one.
 const MOST_ROUNDS: usize = 10;
 const ATTEMPTS: usize = 4;
-/// What a step must promise of minus twice the log-likelihood to be made.
+/// What a step must promise of minus twice the log-likelihood to be made, where a model is to be known
+/// and where it is only to be compared.
 const WORTH: f64 = 0.3;
+const ROUGH: f64 = 1.5;
 
 /// One noise that can be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,6 +135,7 @@ pub fn refine_along(
         }
         Ok(Scored { cost, gradient, curvature })
     };
+    let worth = if problem.is_rough() { ROUGH } else { WORTH };
     let mut noise = *start;
     let mut here = scored(&noise)?;
     let mut damping = 0.0;
@@ -143,7 +146,7 @@ pub fn refine_along(
                 break;
             }
             let Some((step, promised)) = here.step(damping) else { break };
-            if promised < WORTH {
+            if promised < worth {
                 break;
             }
             let moved = knobs.iter().zip(step.iter());

@@ -38,6 +38,8 @@ pub const RUGGED: usize = 2;
 const ATTEMPTS: usize = 4;
 /// What another round must gain of minus twice the log-likelihood to be followed by one more.
 const WORTHWHILE: f64 = 10.0;
+/// Times the expected noise from which on a fit tells nothing, but for want of better.
+pub const ADRIFT: f64 = 100.0;
 /// Times the expected noise from which on a fit is doubted: no right model needs more.
 pub const DOUBTFUL: f64 = 2.2;
 
@@ -103,7 +105,9 @@ pub fn resettle(
             }
         }
     }
-    polish(problem, origin, &best.model, coordinates, &expected, &wide)
+    // Of a model that is adrift the rest tells nothing.
+    let adrift = |fit: &Fit| fit.noise.times(&expected) > ADRIFT;
+    polish_unless(adrift, problem, origin, &best.model, coordinates, &expected, &wide)
 }
 
 /// Refits from a model that is near already, and the noise with it.
@@ -118,10 +122,29 @@ pub fn polish(
     expected: &Noise,
     noise: &Noise,
 ) -> Result<Fit, BuildError> {
+    polish_unless(|_| false, problem, origin, start, coordinates, expected, noise)
+}
+
+/// The same, content with the first half of it where that says enough.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn polish_unless(
+    enough: impl Fn(&Fit) -> bool,
+    problem: &Problem<'_>,
+    origin: &Model,
+    start: &Model,
+    coordinates: &[Coordinate],
+    expected: &Noise,
+    noise: &Noise,
+) -> Result<Fit, BuildError> {
     let along = &mut Cow::Owned(Linearisation::default());
     let first = noise::refine_along(problem, along, start, expected, noise)?;
     let known = Known { along, near: None };
     let fit = problem.fit_from(known, origin, start, coordinates, &first, 6)?;
+    if enough(&fit) {
+        return Ok(fit);
+    }
     let second = noise::refine_along(problem, along, &fit.model, expected, &first)?;
     let known = Known { along, near: None };
     problem.fit_from(known, origin, &fit.model, coordinates, &second, 4)

@@ -3,14 +3,19 @@
 //! Same inputs, same sensors, same noise, nothing missing. What a statistic is on twins is what it
 //! is when nothing is missing, so every threshold is taken from here.
 
+use std::ops::Range;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 
-use super::filter::{Noise, Observer};
+use super::abreast::{self, Rows};
+use super::filter::{Gains, Noise, Observer};
 use super::fit::Problem;
 use super::late::Late;
-use super::record::{CHANNELS, Channel, Record};
+use super::record::{Channel, Record};
+use crate::lanes::LANES;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, plant};
 
@@ -56,8 +61,9 @@ pub fn twin(
     Ok(twin)
 }
 
-/// Innovations that a model leaves on its own twin, as far as the problem fits. Where noise throws the twin
-/// beyond all numbers, they are what every right filter leaves: white, of variance one.
+/// Innovations that a model leaves on twins of its own, as far as the problem fits, with the gains of the
+/// record's filter: twins differ from it by noise alone. Where noise throws a twin beyond all numbers, they
+/// are what every right filter leaves: white, of variance one.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -65,22 +71,37 @@ pub fn null_innovations(
     model: &Model,
     problem: &Problem<'_>,
     noise: &Noise,
-    seed: u64,
-) -> Result<Vec<[f64; CHANNELS]>, BuildError> {
-    let twin = twin(model, problem.record, noise, seed)?;
-    let plant = plant(model, &twin.grid, twin.drive)?;
-    let observer = Observer::new(model, &*plant, &twin).as_far_as(problem.mask);
-    let mut rows = observer.design(noise, &problem.walks()).1.innovations;
-    if !rows.iter().flatten().all(|e| e.is_finite()) {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        for (row, measured) in rows.iter_mut().zip(&problem.record.measured) {
-            *row = measured.map(|value| match value.is_finite() {
-                true => StandardNormal.sample(&mut random),
-                false => 0.0,
-            });
+    gains: &Gains,
+    seeds: Range<u64>,
+) -> Result<Vec<Rows>, BuildError> {
+    let seeds: Vec<u64> = seeds.collect();
+    let twins = seeds
+        .par_iter()
+        .map(|seed| twin(model, problem.record, noise, *seed))
+        .collect::<Result<Vec<_>, _>>()?;
+    let plant = plant(model, &problem.record.grid, problem.record.drive)?;
+    let observers: Vec<Observer<'_>> = twins
+        .iter()
+        .map(|twin| Observer::new(model, &*plant, twin).as_far_as(problem.mask))
+        .collect();
+    let together = observers.par_chunks(LANES);
+    let mut all: Vec<Rows> =
+        together.flat_map_iter(|observers| abreast::innovations(observers, gains)).collect();
+    for ((rows, twin), seed) in all.iter_mut().zip(&twins).zip(seeds) {
+        let thrown = !twin.measured.iter().zip(&problem.record.measured).all(|(own, given)| {
+            own.iter().zip(given).all(|(own, given)| own.is_finite() || !given.is_finite())
+        });
+        if thrown || !rows.iter().flatten().all(|e| e.is_finite()) {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            for (row, measured) in rows.iter_mut().zip(&problem.record.measured) {
+                *row = measured.map(|value| match value.is_finite() {
+                    true => StandardNormal.sample(&mut random),
+                    false => 0.0,
+                });
+            }
         }
     }
-    Ok(rows)
+    Ok(all)
 }
 
 #[cfg(test)]
@@ -100,7 +121,8 @@ mod tests {
         let wild = Noise { torque: 1e200, ..expected(&model, &record) };
         let thrown = twin(&model, &record, &wild, 1).unwrap();
         assert!(!thrown.measured.iter().flatten().all(|value| value.is_finite()));
-        let rows = null_innovations(&model, &problem, &wild, 1).unwrap();
+        let gains = problem.design(&model, &wild).unwrap().gains;
+        let rows = null_innovations(&model, &problem, &wild, &gains, 1..2).unwrap().remove(0);
         let seen: Vec<f64> = rows.iter().flatten().copied().filter(|e| *e != 0.0).collect();
         let variance = seen.iter().map(|e| e * e).sum::<f64>() / seen.len() as f64;
         assert!((variance - 1.0).abs() < 0.15, "{variance} of {}", seen.len());
