@@ -284,16 +284,24 @@ pub(super) fn look(
 /// Adds the effect that explains most of what is left, if there is one.
 fn add(last: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
     let problem = last.rough();
-    if !search.rounds.is_empty() && (DOUBTED..LOST).contains(&excess(search)) {
+    if !search.rounds.is_empty() && doubted(&last, search)? {
         settle(&last, search, false)?;
     }
     let excess = excess(search);
     Ok(excess > LOST && add_to_lost(problem, search, round)?
         || excess <= LOST && add_settled(problem, search, round)?
         // Noise that swallows what is missing hides it from the plain test as well.
-        || excess > DOUBTED
-            && excess <= LOST
+        || doubted(&last, search)?
             && (add_annealed(problem, search, round)? || add_protected(problem, search, round)?))
+}
+
+/// Whether the noise that a model needs says that something is missing even if no score says what; not of
+/// one with effects that leaves what such models may.
+fn doubted(problem: &Problem<'_>, search: &Search) -> Result<bool, BuildError> {
+    let Search { after: Stage { fit, .. }, expected, .. } = search;
+    Ok((DOUBTED..=LOST).contains(&excess(search))
+        && (search.rounds.is_empty()
+            || !Remainder::of(problem, fit, expected, problem.mask)?.complaints(false).is_empty()))
 }
 
 /// How many times the noise that is expected the fit needs.

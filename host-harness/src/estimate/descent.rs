@@ -65,6 +65,7 @@ impl Problem<'_> {
         let [damping, _] = DAMPING;
         let mut at = Place { model: start.clone(), design, linearised: true, damping };
         let mut slope = near.map(|near| descent.borrowed(near, &at));
+        let mut best: Option<Place> = None;
         for _ in 0..rounds {
             if interrupt::asked() {
                 break;
@@ -74,14 +75,20 @@ impl Problem<'_> {
                 let here = Some(&residual);
                 Slope::fresh(self.sensitivity(&at.model, &at.design.gains, coordinates, here))
             });
-            let gained = descent.step(&mut at, along, &mut own, &residual)?;
+            let (gained, left) = descent.step(&mut at, along, &mut own, &residual)?;
+            // What frozen gains promise need not hold, and a worse place may lie on the way to a better.
+            let likely = best.as_ref().map_or(descent.cost(&at), |best| descent.cost(best));
+            best = left.filter(|left| descent.cost(left) < likely).or(best);
             if gained < self.worth && (own.is_fresh() || gained > 0.0) {
                 break;
             }
             slope = (gained > 0.0).then_some(own);
         }
+        if let Some(best) = best.filter(|best| descent.cost(best) < descent.cost(&at)) {
+            at = Place { linearised: false, ..best };
+        }
         let Place { model, mut design, linearised, .. } = at;
-        if !linearised {
+        if !linearised && !self.passing {
             *along = Cow::Owned(Linearisation::default());
             design = self.design_along(along, &model, noise)?;
         }
@@ -108,6 +115,11 @@ impl Descent<'_> {
         at.component_mul(&at).component_mul(&self.precision).sum()
     }
 
+    /// Minus twice the log-likelihood and the prior where a descent stands.
+    fn cost(&self, at: &Place) -> f64 {
+        at.design.deviance + self.prior(&at.model)
+    }
+
     /// The derivative of a near model with the first coordinates, and this place's own with the others.
     fn borrowed(&self, near: &DMatrix<f64>, at: &Place) -> Slope {
         let residual = self.problem.residual(&at.design.innovations);
@@ -118,20 +130,20 @@ impl Descent<'_> {
         Slope::borrowed(DMatrix::from_columns(&columns))
     }
 
-    /// One step, as far as it helps; what it gained, and nothing where none helped.
+    /// One step, as far as it helps: what it gained, and the place that it left; nothing where none helped.
     fn step(
         &self,
         at: &mut Place,
         along: &mut Cow<'_, Linearisation>,
         own: &mut Slope,
         residual: &DVector<f64>,
-    ) -> Result<f64, BuildError> {
+    ) -> Result<(f64, Option<Place>), BuildError> {
         let (problem, precision) = (self.problem, &self.precision);
         let off = self.offset(self.origin, &at.model);
         let gradient = own.jacobian.tr_mul(residual) + precision.component_mul(&off);
         let curvature = gram(&own.jacobian) + DMatrix::from_diagonal(precision);
         let before = problem.sum_of_squares(&at.design.innovations) + self.prior(&at.model);
-        let likely = at.design.deviance + self.prior(&at.model);
+        let likely = self.cost(at);
         let [here, elsewhere] = ATTEMPTS;
         for attempt in 0..if own.is_fresh() { here } else { elsewhere } {
             let mut damped = curvature.clone();
@@ -173,12 +185,14 @@ impl Descent<'_> {
                     let kept = [promised, before - after];
                     own.learn(&step, &change, &curvature.diagonal(), kept);
                     let damping = (at.damping * 0.1).max(DAMPING[1]);
-                    *at = Place { model: moved, design, linearised: far, damping };
-                    return Ok(if problem.cautious { likely - found } else { before - after });
+                    let there = Place { model: moved, design, linearised: far, damping };
+                    let left = std::mem::replace(at, there);
+                    let gained = if problem.cautious { likely - found } else { before - after };
+                    return Ok((gained, Some(left)));
                 }
             }
             at.damping *= 10.0;
         }
-        Ok(0.0)
+        Ok((0.0, None))
     }
 }

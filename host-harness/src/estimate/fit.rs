@@ -87,6 +87,8 @@ pub struct Problem<'a> {
     /// Whether slopes are taken by differences, long enough to see beyond a standstill, instead of at
     /// the place itself: friction behind gears makes a rugged likelihood.
     pub long_sighted: bool,
+    /// Whether a fit is only on the way to another: it may end with gains of a model near its own.
+    pub passing: bool,
 }
 
 /// The random constants that every filter carries: an encoder zeroed at the start of a log knows
@@ -102,7 +104,15 @@ pub fn standing_walks(record: &Record) -> Vec<Walk> {
 impl<'a> Problem<'a> {
     /// A record fitted to over a mask, with a model that is believed.
     pub fn new(record: &'a Record, mask: &'a [f64]) -> Self {
-        Self { record, mask, push: None, cautious: false, worth: WORTH, long_sighted: false }
+        Self {
+            record,
+            mask,
+            push: None,
+            cautious: false,
+            worth: WORTH,
+            long_sighted: false,
+            passing: false,
+        }
     }
 
     /// The same with every step proven.
@@ -123,6 +133,11 @@ impl<'a> Problem<'a> {
     /// The same by differences, or by the slope at a place.
     pub fn long_sighted(self, long_sighted: bool) -> Self {
         Self { long_sighted, ..self }
+    }
+
+    /// The same for fits that are on the way to others.
+    pub fn passing(self) -> Self {
+        Self { passing: true, ..self }
     }
 
     /// The same with a push on one equation.

@@ -69,12 +69,13 @@ pub fn resettle(
     coordinates: &[Coordinate],
 ) -> Result<Fit, BuildError> {
     let expected = noise::expected(origin, problem.record);
+    let passing = problem.passing();
     let mut start = start.clone();
     let held = |c: &&Coordinate| !matches!(c, Coordinate::Parameter(Quantity::Inertia(1..)));
     let scaled: Vec<Coordinate> = coordinates.iter().filter(held).copied().collect();
     for distrust in if problem.cautious { &COOLING[..] } else { &[] } {
         let loose = expected.distrusted(*distrust);
-        start = problem.fit(origin, &start, &scaled, &loose, COOLING_ROUNDS)?.model;
+        start = passing.fit(origin, &start, &scaled, &loose, COOLING_ROUNDS)?.model;
     }
     // Whatever the model misses is noise at first, or the parameters would bend to explain it.
     let apparent = noise::refine(problem, &start, &expected, &expected)?;
@@ -83,7 +84,7 @@ pub fn resettle(
         torque: apparent.torque.max(DISTRUST * expected.torque),
         ..apparent
     };
-    let mut best = problem.fit(origin, &start, coordinates, &wide, 3)?;
+    let mut best = passing.fit(origin, &start, coordinates, &wide, 3)?;
     let settled = problem.cautious && !doubtful(&apparent, &expected);
     let trials = if settled { 0 } else { origin.stages.len() };
     for stage in (0..trials).rev() {
@@ -96,7 +97,7 @@ pub fn resettle(
             .map(|trial| {
                 let mut start = from.clone();
                 spring.shift(&mut start, trial - here);
-                problem.fit(origin, &start, coordinates, &wide, 3)
+                passing.fit(origin, &start, coordinates, &wide, 3)
             })
             .collect::<Result<Vec<_>, _>>()?;
         for fit in fits {
@@ -238,7 +239,8 @@ pub fn cooled(
             for distrust in COOLING.into_iter().chain([DISTRUST]) {
                 loose = Noise { sensors: fit.noise.sensors, ..expected.distrusted(distrust) };
                 let rounds = COOLING_ROUNDS;
-                start = problem.fit(origin, &start, &fit.coordinates, &loose, rounds)?.model;
+                let passing = problem.passing();
+                start = passing.fit(origin, &start, &fit.coordinates, &loose, rounds)?.model;
             }
             polish(problem, origin, &start, &fit.coordinates, expected, &loose)
         })
