@@ -49,8 +49,13 @@ pub const DOUBTFUL: f64 = 2.2;
 /// The model cannot be built.
 pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
     let moved = coordinates(origin, problem);
-    let sight = if origin.stages.len() < RUGGED { Sight::Own } else { Sight::Either };
-    settled_springs(problem, origin, origin, &moved, sight)
+    let sights = if origin.stages.len() < RUGGED { &[false][..] } else { &[false, true] };
+    let fits = sights
+        .par_iter()
+        .map(|long| resettle(&problem.long_sighted(*long), origin, origin, &moved))
+        .collect::<Result<Vec<_>, _>>()?;
+    let best = fits.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    best.map_or_else(|| resettle(problem, origin, origin, &moved), Ok)
 }
 
 /// Refits from a start whose springs may lie in a wrong valley.
@@ -63,40 +68,6 @@ pub fn resettle(
     start: &Model,
     coordinates: &[Coordinate],
 ) -> Result<Fit, BuildError> {
-    settled_springs(problem, origin, start, coordinates, Sight::Own)
-}
-
-/// By which slopes a fit is made.
-#[derive(Clone, Copy)]
-enum Sight {
-    /// Those of the problem.
-    Own,
-    /// By the slope at a place and by long differences; the better fit is kept.
-    Either,
-}
-
-impl Sight {
-    fn better<'a>(
-        self,
-        problem: &Problem<'a>,
-        fit: impl Fn(Problem<'a>) -> Result<Fit, BuildError> + Sync,
-    ) -> Result<Fit, BuildError> {
-        let Self::Either = self else { return fit(*problem) };
-        let by = |long| fit(problem.long_sighted(long));
-        let (near, far) = rayon::join(|| by(false), || by(true));
-        let (near, far) = (near?, far?);
-        Ok(if cost(&far) < cost(&near) { far } else { near })
-    }
-}
-
-/// Refits from a start by such slopes; springs are tried by the problem's own.
-fn settled_springs(
-    problem: &Problem<'_>,
-    origin: &Model,
-    start: &Model,
-    coordinates: &[Coordinate],
-    sight: Sight,
-) -> Result<Fit, BuildError> {
     let expected = noise::expected(origin, problem.record);
     let passing = problem.passing();
     let mut start = start.clone();
@@ -104,8 +75,7 @@ fn settled_springs(
     let scaled: Vec<Coordinate> = coordinates.iter().filter(held).copied().collect();
     for distrust in if problem.cautious { &COOLING[..] } else { &[] } {
         let loose = expected.distrusted(*distrust);
-        let fit = |p: Problem<'_>| p.fit(origin, &start, &scaled, &loose, COOLING_ROUNDS);
-        start = sight.better(&passing, fit)?.model;
+        start = passing.fit(origin, &start, &scaled, &loose, COOLING_ROUNDS)?.model;
     }
     // Whatever the model misses is noise at first, or the parameters would bend to explain it.
     let apparent = noise::refine(problem, &start, &expected, &expected)?;
@@ -114,8 +84,7 @@ fn settled_springs(
         torque: apparent.torque.max(DISTRUST * expected.torque),
         ..apparent
     };
-    let at_large = |p: Problem<'_>| p.fit(origin, &start, coordinates, &wide, 3);
-    let mut best = sight.better(&passing, at_large)?;
+    let mut best = passing.fit(origin, &start, coordinates, &wide, 3)?;
     let settled = problem.cautious && !doubtful(&apparent, &expected);
     let trials = if settled { 0 } else { origin.stages.len() };
     for stage in (0..trials).rev() {
@@ -139,10 +108,7 @@ fn settled_springs(
     }
     // Of a model that is adrift the rest tells nothing.
     let adrift = |fit: &Fit| fit.noise.times(&expected) > ADRIFT;
-    let model = &best.model;
-    sight.better(problem, |p| {
-        polish_unless(adrift, &p, origin, model, coordinates, &expected, &wide)
-    })
+    polish_unless(adrift, problem, origin, &best.model, coordinates, &expected, &wide)
 }
 
 /// Refits from a model that is near already, and the noise with it.
