@@ -445,7 +445,7 @@ mod tests {
         let start = Mass { speed: -1.3, ..Mass::default() };
         let (mut plain, mut along) = (start, start);
         friction(0.2).flow(&mut plain, None);
-        friction(0.2).flow_along(&mut along, None, [1.0, 1.0]);
+        friction(0.2).flow_along(&mut along, None, Some([1.0, 1.0]));
         assert!((plain.bristle.zeta - along.bristle.zeta).abs() < 1e-14);
         assert!((plain.bristle.slipping - along.bristle.slipping).abs() < 1e-14);
     }

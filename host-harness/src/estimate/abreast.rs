@@ -147,8 +147,8 @@ fn run_abreast(observers: &[Observer<'_>], joints: &dyn Abreast, gains: &Gains) 
         let interval = first.record.grid.interval(k);
         for (j, walk) in gains.walks.iter().enumerate() {
             if let Equation::Torque(mass) = walk.equation {
-                for lane in 0..LANES {
-                    let torque = x[own + j][lane];
+                let torques = x[own + j];
+                for (lane, torque) in torques.into_iter().enumerate() {
                     let change = |state: usize, by| x[state][lane] += by;
                     of_lane(lane).pushed(mass, torque, interval, change);
                 }

@@ -72,7 +72,7 @@ impl<const N: usize> Built<N> {
         let joints = (0..last.len())
             .map(|j| {
                 // Lanes that nobody asked for do as the last one does.
-                let lane = |lane: usize| Some(&**constants.get(lane).unwrap_or(&last).get(j)?);
+                let lane = |lane: usize| Some(&**constants.get(lane).unwrap_or(last).get(j)?);
                 let lanes = (0..LANES).map(lane).collect::<Option<Vec<&[u8]>>>()?;
                 weave::woven(lanes).ok().map(Woven::new)
             })
