@@ -57,6 +57,7 @@ pub mod friction;
 pub mod gear;
 mod implicit;
 pub mod joint;
+mod levels;
 pub mod motor;
 pub mod observer;
 pub mod pace;

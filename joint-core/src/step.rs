@@ -8,7 +8,7 @@
 //! joint without effects does the same operations whatever the data.
 
 use crate::angle::Angle;
-use crate::effect::{Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Rubbing, Winding};
+use crate::effect::{Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Winding};
 use crate::friction::{Friction, Half, Turn};
 use crate::joint::{IMPLICIT, Input, Joint, Mass, StageState, State};
 use crate::scalar::Scalar;
@@ -29,9 +29,9 @@ struct Gradient<S, const N: usize> {
 }
 
 /// One of something for every mass.
-struct Each<T, const N: usize> {
-    rotor: T,
-    masses: [T; N],
+pub(crate) struct Each<T, const N: usize> {
+    pub(crate) rotor: T,
+    pub(crate) masses: [T; N],
 }
 
 impl<S: Scalar, const N: usize> Each<S, N> {
@@ -56,7 +56,7 @@ fn last<S: Scalar, const N: usize>(state: &mut State<S, N>) -> &mut Mass<S> {
 
 /// What the kick made of one stage's speed.
 #[inline(always)]
-fn turn_of<S: Scalar, const N: usize>(
+pub(crate) fn turn_of<S: Scalar, const N: usize>(
     friction: &Friction<S>,
     mass: &mut Mass<S>,
     first: Option<(&Each<S, N>, &Each<Half<S>, N>)>,
@@ -170,57 +170,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// Winds a spring up for half a micro-step.
     #[inline(always)]
-    fn wind(&self, stage: &mut StageState<S>, relative: S) {
+    pub(crate) fn wind(&self, stage: &mut StageState<S>, relative: S) {
         let (wound, lost) = stage.deflection.drifted(stage.lost, relative, self.half_drift);
         stage.deflection = wound;
         stage.lost = lost;
-    }
-
-    /// The same where effects change friction levels on the way.
-    #[inline(always)]
-    fn half_drift_along(
-        &self,
-        state: &mut State<S, N>,
-        from: Angle<S>,
-        first: Option<(&Each<S, N>, &Each<Half<S>, N>)>,
-    ) -> Each<Half<S>, N> {
-        let rotor = &mut state.rotor;
-        let of_rotor =
-            first.map(|(speeds, halves)| self.rotor.turn(rotor, speeds.rotor, halves.rotor));
-        let mut turns = [of_rotor; N];
-        for (((stage, own), turn), k) in
-            state.stages.iter_mut().zip(&self.stages).zip(&mut turns).zip(0..N)
-        {
-            *turn = turn_of(&own.friction, &mut stage.mass, first, k);
-        }
-        let before = self.levels(state, from);
-        let mut behind = state.rotor.speed;
-        for stage in &mut state.stages {
-            let after = stage.mass.speed;
-            self.wind(stage, behind - after);
-            behind = after;
-        }
-        let turned = match first {
-            Some((speeds, _)) => speeds.rotor + state.rotor.speed,
-            None => state.rotor.speed,
-        };
-        let after = self.levels(state, state.angle.ahead(turned.times(self.half_turn)));
-        let levels = [before.0, after.0];
-        let half = if self.effects.has_level(0) {
-            self.rotor.flow_along(&mut state.rotor, of_rotor.as_ref(), Some(levels))
-        } else {
-            self.rotor.flow_exactly(&mut state.rotor, of_rotor.as_ref())
-        };
-        let mut halves = Each { rotor: half, masses: [half; N] };
-        let levels = before.1.into_iter().zip(after.1);
-        let stages = state.stages.iter_mut().zip(&self.stages).zip(&turns).zip(1..=N);
-        for (((((stage, own), turn), number), (before, after)), half) in
-            stages.zip(levels).zip(&mut halves.masses)
-        {
-            let levels = self.effects.has_level(number).then_some([before, after]);
-            *half = own.friction.flow_along(&mut stage.mass, turn.as_ref(), levels);
-        }
-        halves
     }
 
     /// What effects remember, over half a micro-step at constant speed and current.
@@ -244,50 +197,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 *value = target + (*value - target) * reach.exp_minus();
             }
         }
-    }
-
-    /// One over the effects' factor on every friction level.
-    #[inline(always)]
-    pub(crate) fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
-        let (mut rotor, mut levels) = (S::ONE, [S::ONE; N]);
-        let mut wound = S::ZERO;
-        let (speed, transmitted) = (state.rotor.speed, state.current);
-        // A mass's level is found once the stage behind it is known.
-        let mut at = Rubbing { speed, transmitted, passed_on: S::ZERO, angle };
-        let mut level = &mut rotor;
-        let stages = state.stages.iter().zip(&self.stages);
-        for ((next, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
-            let mut torque = S::ZERO;
-            if self.effects.has_level(number) || self.effects.has_level(number + 1) {
-                let felt = self.felt(number, stage.deflection, at.angle);
-                let relative = at.speed - stage.mass.speed;
-                torque = constants.spring.torque(felt.deflection)
-                    + constants.spring.damping_torque(relative) * felt.contact;
-                if self.effects.has_stage(number) {
-                    let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
-                    torque = torque + beside.value;
-                }
-            }
-            at.passed_on = torque;
-            if self.effects.has_level(number) {
-                *level = self.effects.inverse_level(number, at);
-            }
-            level = next;
-            wound = wound + stage.deflection;
-            if self.effects.has_angled_levels() || self.effects.has_stages() {
-                at.angle = constants.own_angle(angle.ahead(-wound.times(self.turns)));
-            }
-            at = Rubbing {
-                speed: stage.mass.speed,
-                transmitted: torque,
-                passed_on: S::ZERO,
-                angle: at.angle,
-            };
-        }
-        if self.effects.has_level(N) {
-            *level = self.effects.inverse_level(N, at);
-        }
-        (rotor, levels)
     }
 
     /// What a stage's spring feels.

@@ -87,73 +87,69 @@ impl Work for Together<'_, '_> {
     #[inline(always)]
     fn run(self) -> Vec<Rows> {
         let Self { observers, joints, gains } = self;
-        run_abreast(observers, joints, gains)
-    }
-}
-
-#[inline(always)]
-fn run_abreast(observers: &[Observer<'_>], joints: &dyn Abreast, gains: &Gains) -> Vec<Rows> {
-    let first = &observers[0];
-    let of_lane = |lane: usize| observers.get(lane).unwrap_or(first);
-    let designed = gains.order - gains.walks.len();
-    let own = first.layout.len();
-    let common = designed.min(own);
-    let order = own + gains.walks.len();
-    let mut x = vec![[0.0; LANES]; order];
-    let mut rows = vec![vec![[0.0; CHANNELS]; first.record.len()]; observers.len()];
-    for k in 0..first.record.len() {
-        if first.is_idle(k) {
-            continue;
-        }
-        if first.record.starts.contains(&k) {
-            for lane in 0..LANES {
-                let start = of_lane(lane).start(k, order);
-                x.iter_mut().zip(start).for_each(|(x, value)| x[lane] = value);
-            }
-        }
-        for channel in Channel::ALL {
-            let c = channel as usize;
-            let weight = gains.weight[k][c];
-            if weight == 0.0 {
+        let first = &observers[0];
+        let of_lane = |lane: usize| observers.get(lane).unwrap_or(first);
+        let designed = gains.order - gains.walks.len();
+        let own = first.layout.len();
+        let common = designed.min(own);
+        let order = own + gains.walks.len();
+        let mut x = vec![[0.0; LANES]; order];
+        let mut rows = vec![vec![[0.0; CHANNELS]; first.record.len()]; observers.len()];
+        for k in 0..first.record.len() {
+            if first.is_idle(k) {
                 continue;
             }
-            let mut errors = [0.0; LANES];
-            for (lane, error) in errors.iter_mut().enumerate() {
-                let observer = of_lane(lane);
-                let shown = observer.shown_of(channel, |state| x[state][lane], &gains.walks);
-                let own = (observer.late.measured[k][c] - shown) * weight;
-                *error = if own.is_finite() { own } else { 0.0 };
+            if first.record.starts.contains(&k) {
+                for lane in 0..LANES {
+                    let start = of_lane(lane).start(k, order);
+                    x.iter_mut().zip(start).for_each(|(x, value)| x[lane] = value);
+                }
             }
-            for (rows, error) in rows.iter_mut().zip(&errors) {
-                rows[k][c] = *error;
+            for channel in Channel::ALL {
+                let c = channel as usize;
+                let weight = gains.weight[k][c];
+                if weight == 0.0 {
+                    continue;
+                }
+                let mut errors = [0.0; LANES];
+                for (lane, error) in errors.iter_mut().enumerate() {
+                    let observer = of_lane(lane);
+                    let shown = observer.shown_of(channel, |state| x[state][lane], &gains.walks);
+                    let own = (observer.late.measured[k][c] - shown) * weight;
+                    *error = if own.is_finite() { own } else { 0.0 };
+                }
+                for (rows, error) in rows.iter_mut().zip(&errors) {
+                    rows[k][c] = *error;
+                }
+                let slot = (k * CHANNELS + c) * gains.order;
+                let (states, walks) = gains.gain[slot..slot + gains.order].split_at(designed);
+                let (head, tail) = x.split_at_mut(own);
+                let corrected =
+                    head[..common].iter_mut().zip(states).chain(tail.iter_mut().zip(walks));
+                for (values, gain) in corrected {
+                    for (value, error) in values.iter_mut().zip(&errors) {
+                        *value += gain * error;
+                    }
+                }
             }
-            let slot = (k * CHANNELS + c) * gains.order;
-            let (states, walks) = gains.gain[slot..slot + gains.order].split_at(designed);
-            let (head, tail) = x.split_at_mut(own);
-            let corrected = head[..common].iter_mut().zip(states).chain(tail.iter_mut().zip(walks));
-            for (values, gain) in corrected {
-                for (value, error) in values.iter_mut().zip(&errors) {
-                    *value += gain * error;
+            let mut drive = [first.record.drive_values[k]; LANES];
+            for (walk, push) in gains.walks.iter().zip(&x[own..]) {
+                if walk.equation == Equation::Voltage {
+                    drive.iter_mut().zip(push).for_each(|(drive, push)| *drive += push);
+                }
+            }
+            joints.propagate(k, &mut x[..own], drive, first.record.load_nm[k]);
+            let interval = first.record.grid.interval(k);
+            for (j, walk) in gains.walks.iter().enumerate() {
+                if let Equation::Torque(mass) = walk.equation {
+                    let torques = x[own + j];
+                    for (lane, torque) in torques.into_iter().enumerate() {
+                        let change = |state: usize, by| x[state][lane] += by;
+                        of_lane(lane).pushed(mass, torque, interval, change);
+                    }
                 }
             }
         }
-        let mut drive = [first.record.drive_values[k]; LANES];
-        for (walk, push) in gains.walks.iter().zip(&x[own..]) {
-            if walk.equation == Equation::Voltage {
-                drive.iter_mut().zip(push).for_each(|(drive, push)| *drive += push);
-            }
-        }
-        joints.propagate(k, &mut x[..own], drive, first.record.load_nm[k]);
-        let interval = first.record.grid.interval(k);
-        for (j, walk) in gains.walks.iter().enumerate() {
-            if let Equation::Torque(mass) = walk.equation {
-                let torques = x[own + j];
-                for (lane, torque) in torques.into_iter().enumerate() {
-                    let change = |state: usize, by| x[state][lane] += by;
-                    of_lane(lane).pushed(mass, torque, interval, change);
-                }
-            }
-        }
+        rows
     }
-    rows
 }

@@ -122,8 +122,9 @@ impl<S: Scalar> RotorKick<S> {
         settled + (current - settled).times(self.mean)
     }
 
-    /// New speed and current after the kick, `WHICH` being 1 for the middle one: `force` is the torque on the rotor beside the motor's,
-    /// `damping` its torque per speed, `drive` the final current of the held voltage.
+    /// New speed and current after the kick, `WHICH` being 1 for the middle one: `force` is the torque on
+    /// the rotor beside the motor's, `damping` its torque per speed, `drive` the final current of the held
+    /// voltage.
     #[inline(always)]
     pub(crate) fn apply<const WHICH: usize>(
         &self,

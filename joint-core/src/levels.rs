@@ -1,0 +1,105 @@
+//! Friction levels that effects change while a joint moves.
+//!
+//! A level that follows the load or an angle is not the same at both ends of a drift, and the bristle
+//! follows it with a lag. So a drift of such a joint asks for every level twice and lets the bristles flow
+//! along; a mass that no effect touches flows as ever.
+
+use crate::angle::Angle;
+use crate::effect::{Effects, Rubbing};
+use crate::friction::Half;
+use crate::joint::{Joint, State};
+use crate::scalar::Scalar;
+use crate::step::{Each, turn_of};
+
+impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
+    /// [`Joint::half_drift`] where effects change friction levels on the way.
+    #[inline(always)]
+    pub(crate) fn half_drift_along(
+        &self,
+        state: &mut State<S, N>,
+        from: Angle<S>,
+        first: Option<(&Each<S, N>, &Each<Half<S>, N>)>,
+    ) -> Each<Half<S>, N> {
+        let rotor = &mut state.rotor;
+        let of_rotor =
+            first.map(|(speeds, halves)| self.rotor.turn(rotor, speeds.rotor, halves.rotor));
+        let mut turns = [of_rotor; N];
+        for (((stage, own), turn), k) in
+            state.stages.iter_mut().zip(&self.stages).zip(&mut turns).zip(0..N)
+        {
+            *turn = turn_of(&own.friction, &mut stage.mass, first, k);
+        }
+        let before = self.levels(state, from);
+        let mut behind = state.rotor.speed;
+        for stage in &mut state.stages {
+            let after = stage.mass.speed;
+            self.wind(stage, behind - after);
+            behind = after;
+        }
+        let turned = match first {
+            Some((speeds, _)) => speeds.rotor + state.rotor.speed,
+            None => state.rotor.speed,
+        };
+        let after = self.levels(state, state.angle.ahead(turned.times(self.half_turn)));
+        let levels = [before.0, after.0];
+        let half = if self.effects.has_level(0) {
+            self.rotor.flow_along(&mut state.rotor, of_rotor.as_ref(), Some(levels))
+        } else {
+            self.rotor.flow_exactly(&mut state.rotor, of_rotor.as_ref())
+        };
+        let mut halves = Each { rotor: half, masses: [half; N] };
+        let levels = before.1.into_iter().zip(after.1);
+        let stages = state.stages.iter_mut().zip(&self.stages).zip(&turns).zip(1..=N);
+        for (((((stage, own), turn), number), (before, after)), half) in
+            stages.zip(levels).zip(&mut halves.masses)
+        {
+            let levels = self.effects.has_level(number).then_some([before, after]);
+            *half = own.friction.flow_along(&mut stage.mass, turn.as_ref(), levels);
+        }
+        halves
+    }
+
+    /// One over the effects' factor on every friction level.
+    #[inline(always)]
+    pub(crate) fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
+        let (mut rotor, mut levels) = (S::ONE, [S::ONE; N]);
+        let mut wound = S::ZERO;
+        let (speed, transmitted) = (state.rotor.speed, state.current);
+        // A mass's level is found once the stage behind it is known.
+        let mut at = Rubbing { speed, transmitted, passed_on: S::ZERO, angle };
+        let mut level = &mut rotor;
+        let stages = state.stages.iter().zip(&self.stages);
+        for ((next, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
+            let mut torque = S::ZERO;
+            if self.effects.has_level(number) || self.effects.has_level(number + 1) {
+                let felt = self.felt(number, stage.deflection, at.angle);
+                let relative = at.speed - stage.mass.speed;
+                torque = constants.spring.torque(felt.deflection)
+                    + constants.spring.damping_torque(relative) * felt.contact;
+                if self.effects.has_stage(number) {
+                    let beside = self.effects.stage_torque(number, felt.deflection, &state.memory);
+                    torque = torque + beside.value;
+                }
+            }
+            at.passed_on = torque;
+            if self.effects.has_level(number) {
+                *level = self.effects.inverse_level(number, at);
+            }
+            level = next;
+            wound = wound + stage.deflection;
+            if self.effects.has_angled_levels() || self.effects.has_stages() {
+                at.angle = constants.own_angle(angle.ahead(-wound.times(self.turns)));
+            }
+            at = Rubbing {
+                speed: stage.mass.speed,
+                transmitted: torque,
+                passed_on: S::ZERO,
+                angle: at.angle,
+            };
+        }
+        if self.effects.has_level(N) {
+            *level = self.effects.inverse_level(N, at);
+        }
+        (rotor, levels)
+    }
+}
