@@ -4,6 +4,8 @@
 //! side look the same at first. Once the fit has settled around the name, the order is set free for a
 //! moment, and tells where it belongs.
 
+use std::f64::consts::TAU;
+
 use joint_core::effect::Kind;
 
 use super::candidates::{encoder_eccentricity, gravity};
@@ -11,6 +13,7 @@ use super::search::{Search, Stage, WORTH_ANOTHER};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::Problem;
+use crate::estimate::record::{Channel, Record};
 use crate::estimate::refit::{self, cost};
 use crate::plant::BuildError;
 
@@ -40,7 +43,8 @@ pub(super) fn ask_order(
 
 /// The fit with another order of the model's effect number `effect`, if that is a line and the fit the
 /// better for it; a whole order where its own is, and none that is gravity's. Those that an eccentric
-/// encoder may have are asked one by one: over a short travel the free order stays between them.
+/// encoder may have are asked one by one, and over less than a turn those beside a line's own: there the
+/// free order may stay between them.
 fn reordered(
     problem: &Problem<'_>,
     Stage { fit, origin }: &Stage,
@@ -65,6 +69,9 @@ fn reordered(
     if line.kind == Kind::EncoderEccentricity {
         let others = encoder_eccentricity::ORDERS.into_iter().filter(|order| *order != new);
         starts.extend(others.map(|order| (&fit.model, order)));
+    } else if own.fract() == 0.0 && travel_rad(problem.record) < TAU {
+        let beside = [own - 1.0, own + 1.0].into_iter().filter(|order| *order != new);
+        starts.extend(beside.map(|order| (&fit.model, order)));
     }
     let possible = parameters[value].low..parameters[value].high;
     let hangs = line.kind == Kind::Cogging && gravity::own_line(&fit.model);
@@ -86,6 +93,14 @@ fn reordered(
     Ok(best)
 }
 
+/// How far the motor's encoder travels in a record.
+fn travel_rad(record: &Record) -> f64 {
+    let angles = record.measured.iter().map(|row| row[Channel::Motor as usize]);
+    let seen = angles.filter(|angle| angle.is_finite());
+    let (low, high) = seen.fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(q), high.max(q)));
+    high - low
+}
+
 #[cfg(test)]
 mod tests {
     use joint_core::effect::EffectParameters;
@@ -96,7 +111,6 @@ mod tests {
     use super::super::trial;
     use super::*;
     use crate::estimate::noise;
-    use crate::estimate::record::Record;
     use crate::log::Log;
     use crate::model::Model;
 
