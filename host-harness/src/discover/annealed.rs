@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::candidates::{self, Scene};
 use super::findings::ScoreRow;
+use super::gate::rms;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::protected::{conclude, gained};
 use super::score_test::ScoreTest;
@@ -21,9 +22,12 @@ use crate::estimate::refit::{self, DOUBTFUL, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
-/// Times the expected noise by which the model is distrusted, names that get as far, and most rounds of
-/// their fits.
-const TRUST: [(f64, usize, usize); 3] = [(30.0, 10, 4), (10.0, 4, 4), (3.0, 3, 6)];
+/// Times the expected noise by which the model is distrusted, names that get as far, most rounds of their
+/// fits, and how far behind one that leaves nothing but noise they are given up.
+const TRUST: [(f64, usize, usize, f64); 3] =
+    [(30.0, 10, 4, 10.0 * FAR_BEHIND), (10.0, 4, 4, FAR_BEHIND), (3.0, 3, 6, FAR_BEHIND)];
+/// Most that errors are of the noise of a trust where they are nothing else, as RMS.
+const NOISE: f64 = 1.05;
 /// Share of the best score from which on a name is fitted.
 const SHARE: f64 = 0.003;
 /// Share of the best gain from which on a name is refitted until it gains nothing more.
@@ -52,7 +56,7 @@ pub(super) fn add_annealed(
 ) -> Result<bool, BuildError> {
     let base = search.after.clone();
     let expected = search.expected;
-    let [(first, _, rounds), .., (last, ..)] = TRUST;
+    let [(first, _, rounds, _), .., (last, ..)] = TRUST;
     let anew = Model { effects: base.fit.model.effects.clone(), ..base.origin.clone() };
     let from = |rounds: usize| {
         let (moved, noise) = (&base.fit.coordinates, expected.distrusted(first));
@@ -81,7 +85,7 @@ pub(super) fn add_annealed(
     scored.sort_by(|a, b| b.1.total_cmp(&a.1));
     let scored = first_of_each(scored, |(name, _)| *name);
     let mut near = 0;
-    for (distrust, most, rounds) in TRUST {
+    for (distrust, most, rounds, behind) in TRUST {
         field.truncate(most);
         let fitted = field.into_par_iter().map(|entry| {
             let (origin, moved) = base.widened(entry.hypothesis);
@@ -90,13 +94,20 @@ pub(super) fn add_annealed(
             let noise = expected.distrusted(distrust);
             let passing = problem.passing();
             let fit = passing.fit_from(known, &origin, &entry.model, &moved, &noise, rounds)?;
-            Ok((cost(&fit), Entry { model: fit.model, ..entry }))
+            let left = rms(&fit.innovations, problem.mask, None);
+            Ok((cost(&fit), left, Entry { model: fit.model, ..entry }))
         });
         let mut fitted = run_through(fitted);
         fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        fitted = first_of_each(fitted, |(_, entry)| entry.hypothesis.name());
-        near = in_reach(&fitted.iter().map(|(cost, _)| *cost).collect::<Vec<_>>());
-        field = fitted.into_iter().map(|(_, entry)| entry).collect();
+        fitted = first_of_each(fitted, |(.., entry)| entry.hypothesis.name());
+        if let Some((best, left, _)) = fitted.first()
+            && *left < NOISE
+        {
+            let most = best + behind;
+            fitted.retain(|(cost, ..)| *cost < most);
+        }
+        near = in_reach(&fitted.iter().map(|(cost, ..)| *cost).collect::<Vec<_>>());
+        field = fitted.into_iter().map(|(.., entry)| entry).collect();
     }
     let noise = expected.distrusted(last);
     let polished = |Entry { hypothesis, score, model, .. }: Entry<'_>| {

@@ -17,7 +17,7 @@ use super::confidence::{SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
-use super::finer::ask_finer;
+use super::finer::{ask_finer, is_thrown};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
@@ -108,6 +108,9 @@ pub fn discover_without(
             remainder = left;
             record = finer;
         }
+    }
+    if is_thrown(&record, &found)? {
+        record = record.refined(micro_steps * FINER);
     }
     let problem = Problem::new(&record, &fitted);
     if !interrupt::asked() {

@@ -7,6 +7,7 @@ use super::gate::Remainder;
 use super::needless::drop_needless;
 use super::search::{LEAST_GAIN, Search, Stage, WEAK};
 use crate::estimate::fit::Problem;
+use crate::estimate::record::{CHANNELS, Record};
 use crate::estimate::{noise, refit};
 use crate::plant::BuildError;
 
@@ -44,12 +45,27 @@ pub(super) fn ask_finer(
     let better = refit::polish(problem, origin, &better.model, moved, expected, &better.noise)?;
     let mut other = found.clone();
     other.after = Stage { fit: better, origin: origin.clone() };
-    drop_needless(problem.rough(), &mut other, false)?;
-    if gained < LEAST_GAIN && !calmer && other.rounds.len() == names {
+    let asked_for_names = gained < LEAST_GAIN && !calmer;
+    drop_needless(problem.rough(), &mut other, asked_for_names)?;
+    if asked_for_names && other.rounds.len() == names {
         return Ok(None);
     }
     *found = other;
     Ok(Some(Remainder::of(problem, &found.after.fit, &found.expected, problem.mask)?))
+}
+
+/// Whether the refitted nominal or the improved model leaves all numbers on a record of which the fits have
+/// seen a part: a moment among the others may ask for finer steps.
+///
+/// # Errors
+/// A model cannot be built.
+pub(super) fn is_thrown(record: &Record, found: &Search) -> Result<bool, BuildError> {
+    let every = vec![1.0; record.len()];
+    let problem = Problem::new(record, &every);
+    let run = |Stage { fit, .. }: &Stage| problem.design(&fit.model, &fit.noise);
+    let (before, after) = rayon::join(|| run(&found.before), || run(&found.after));
+    let thrown = |rows: &[[f64; CHANNELS]]| !rows.iter().flatten().all(|error| error.is_finite());
+    Ok(thrown(&before?.innovations) || thrown(&after?.innovations))
 }
 
 #[cfg(test)]
@@ -57,7 +73,6 @@ mod tests {
     use super::super::trial;
     use super::*;
     use crate::demo::actuator;
-    use crate::estimate::record::Record;
     use crate::synthetic::{Experiment, record};
 
     #[test]

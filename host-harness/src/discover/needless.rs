@@ -8,7 +8,7 @@ use joint_core::joint::Drive;
 use super::belief::possible;
 use super::borne_out::holds;
 use super::contradiction::contradiction;
-use super::search::{LEAST_GAIN, Search, Stage, WEAK};
+use super::search::{FAR_BEHIND, LEAST_GAIN, Search, Stage, WEAK};
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::parameters::Quantity;
@@ -41,8 +41,10 @@ pub(super) fn drop_needless(
             continue;
         }
         let least = search.least_gain(search.rounds[k].name.1);
-        let mut bare = bare(problem, search, k)?;
         let kept = cost(&search.after.fit);
+        // What is far behind already is needed, however well the rest may still be fitted.
+        let far = |fit: &Fit| against.is_none() && cost(fit) - kept > FAR_BEHIND;
+        let mut bare = bare_unless(far, problem, search, k)?;
         let lost = cost(&bare.fit) - kept;
         let most = MOST * (cost(&search.before.fit) - kept);
         if !bare.origin.stages.is_empty() && lost >= least && lost < most {
@@ -93,13 +95,24 @@ fn works(problem: &Problem<'_>, fit: &Fit, place: usize) -> Result<bool, BuildEr
 
 /// What is left without the effect of round `k`, refitted from where its company stands.
 pub(super) fn bare(problem: Problem<'_>, search: &Search, k: usize) -> Result<Stage, BuildError> {
+    bare_unless(|_| false, problem, search, k)
+}
+
+/// The same, content with the first half of the refit where that says enough.
+fn bare_unless(
+    enough: impl Fn(&Fit) -> bool,
+    problem: Problem<'_>,
+    search: &Search,
+    k: usize,
+) -> Result<Stage, BuildError> {
     let place = search.place(k);
     let Stage { fit, origin } = &search.after;
     let mut origin = origin.clone();
     origin.effects.remove(place);
     let start = without(&fit.model, place);
     let moved: Vec<_> = fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
-    let fit = refit::polish(&problem, &origin, &start, &moved, &search.expected, &fit.noise)?;
+    let (expected, noise) = (&search.expected, &fit.noise);
+    let fit = refit::polish_unless(enough, &problem, &origin, &start, &moved, expected, noise)?;
     Ok(Stage { fit, origin })
 }
 

@@ -7,14 +7,16 @@
 use std::f64::consts::TAU;
 
 use joint_core::effect::Kind;
+use rayon::prelude::*;
 
 use super::candidates::{encoder_eccentricity, gravity};
-use super::search::{Search, Stage, WORTH_ANOTHER};
+use super::search::{FAR_BEHIND, Search, Stage, WORTH_ANOTHER};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
-use crate::estimate::fit::Problem;
+use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{Channel, Record};
 use crate::estimate::refit::{self, cost};
+use crate::model::Model;
 use crate::plant::BuildError;
 
 /// Orders nearer than this are the same line.
@@ -78,19 +80,20 @@ fn reordered(
     let others = starts.into_iter().filter(|(_, order)| {
         possible.contains(order) && (order - own).abs() >= SAME && !(hangs && *order == 1.0)
     });
-    let mut best: Option<Stage> = None;
-    for (model, order) in others {
+    let hopeless = |again: &Fit| cost(again) - cost(fit) > FAR_BEHIND;
+    let reordered = |(model, order): (&Model, f64)| {
         let (mut start, mut origin) = (model.clone(), origin.clone());
         start.effects[effect].values[value] = order;
         origin.effects[effect].values[value] = order;
-        let moved = &fit.coordinates;
-        let again = refit::polish(problem, &origin, &start, moved, expected, &fit.noise)?;
-        let least = best.as_ref().map_or(cost(fit) - WORTH_ANOTHER, |best| cost(&best.fit));
-        if cost(&again) < least {
-            best = Some(Stage { fit: again, origin });
-        }
-    }
-    Ok(best)
+        let (moved, noise) = (&fit.coordinates, &fit.noise);
+        let again =
+            refit::polish_unless(hopeless, problem, &origin, &start, moved, expected, noise)?;
+        Ok(Stage { fit: again, origin })
+    };
+    let others: Vec<_> = others.collect();
+    let fitted = others.into_par_iter().map(reordered).collect::<Result<Vec<_>, BuildError>>()?;
+    let best = fitted.into_iter().min_by(|a, b| cost(&a.fit).total_cmp(&cost(&b.fit)));
+    Ok(best.filter(|best| cost(&best.fit) < cost(fit) - WORTH_ANOTHER))
 }
 
 /// How far the motor's encoder travels in a record.

@@ -16,7 +16,7 @@ use crate::estimate::adjoint::Pull;
 use crate::estimate::coordinates::{Coordinate, precision};
 use crate::estimate::filter::{Linearisation, Observer};
 use crate::estimate::fit::{Fit, Problem};
-use crate::estimate::gram::gram;
+use crate::estimate::gram::{gram, shared};
 use crate::estimate::twin::null_innovations;
 use crate::model::Model;
 use crate::plant::plant;
@@ -193,8 +193,8 @@ impl<'a> ScoreTest<'a> {
             return None;
         }
         let own = DMatrix::from_columns(&columns);
-        let cross = self.jacobian.tr_mul(&own);
-        let mut schur = own.tr_mul(&own) - cross.tr_mul(&self.curvature.solve(&cross));
+        let cross = shared(&self.jacobian, &own);
+        let mut schur = gram(&own) - cross.tr_mul(&self.curvature.solve(&cross));
         for (k, coordinate) in coordinates.iter().enumerate() {
             schur[(k, k)] += coordinate.prior_sigma().powi(-2);
         }

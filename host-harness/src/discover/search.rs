@@ -476,16 +476,12 @@ pub fn bared(
     let small = base.fit.noise.times(expected) <= LOST || !base.fit.model.effects.is_empty();
     let rugged = !origin.stages.is_empty();
     let far = |fit: &Fit| cost(fit) - cost(&won.fit) > FAR_BEHIND;
-    let (fit, again) = rayon::join(
-        || refit::polish_unless(far, problem, origin, &start, moved, expected, noise),
-        || (rugged && small).then(|| refit::cooled(problem, origin, &base.fit, expected)),
-    );
-    let mut fit = fit?;
-    if cost(&fit) - cost(&won.fit) > least
-        && let Some(again) = again.transpose()?
-        && cost(&again) < cost(&fit)
-    {
-        fit = again;
+    let mut fit = refit::polish_unless(far, problem, origin, &start, moved, expected, noise)?;
+    if rugged && small && cost(&fit) - cost(&won.fit) > least {
+        let again = refit::cooled(problem, origin, &base.fit, expected)?;
+        if cost(&again) < cost(&fit) {
+            fit = again;
+        }
     }
     Ok(Stage { fit, origin: base.origin.clone() })
 }

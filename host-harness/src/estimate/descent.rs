@@ -64,6 +64,7 @@ impl Problem<'_> {
         let design = self.design_along(along, start, noise)?;
         let [damping, _] = DAMPING;
         let mut at = Place { model: start.clone(), design, linearised: true, damping };
+        let begun = descent.cost(&at);
         let mut slope = near.map(|near| descent.borrowed(near, &at));
         let mut best: Option<Place> = None;
         for _ in 0..rounds {
@@ -92,8 +93,10 @@ impl Problem<'_> {
             *along = Cow::Owned(Linearisation::default());
             design = self.design_along(along, &model, noise)?;
         }
+        let prior = descent.prior(&model);
         Ok(Fit {
-            prior: descent.prior(&model),
+            gained: begun - design.deviance - prior,
+            prior,
             model,
             coordinates: coordinates.to_vec(),
             noise: *noise,
@@ -158,30 +161,38 @@ impl Descent<'_> {
             let step = self.offset(&at.model, &moved);
             let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
             let is_far = |gain: f64| problem.cautious || gain > FAR * before;
-            // A second core designs at once what most steps come to.
-            let forecast = is_far(promised);
             let frozen = || problem.innovations(&moved, &at.design.gains);
-            let (rows, ahead) = if attempt == 0 && rayon::current_num_threads() > 1 {
-                let near = (!forecast).then_some(&**along);
-                rayon::join(frozen, || Some(problem.design_near(near, &moved, self.noise)))
-            } else {
-                (frozen(), None)
-            };
+            let anew = || problem.design_anew(&moved, self.noise);
+            // A second core designs at once what is needed if the step keeps its promise.
+            let (rows, ahead) =
+                if attempt == 0 && is_far(promised) && rayon::current_num_threads() > 1 {
+                    let (rows, ahead) = rayon::join(frozen, anew);
+                    (rows, Some(ahead))
+                } else {
+                    (frozen(), None)
+                };
             let rows = rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; problem.record.len()]);
-            let after = problem.sum_of_squares(&rows) + self.prior(&moved);
+            let squares = problem.sum_of_squares(&rows);
+            let after = squares + self.prior(&moved);
             if after < before {
-                // What frozen gains promise must hold for the filter designed at the new point.
                 let far = is_far(before - after);
-                let (design, made) = match ahead {
-                    Some(ahead) if far == forecast => ahead?,
-                    _ => problem.design_near((!far).then_some(&**along), &moved, self.noise)?,
+                let change = problem.residual(&rows) - residual;
+                let (design, made) = if far {
+                    // What frozen gains promise must hold for the filter designed at the new point.
+                    let (design, made) = ahead.unwrap_or_else(anew)?;
+                    (design, Some(made))
+                } else {
+                    // One designed along the same linearisation at the same noise has the same gains but for
+                    // what an inertia makes of the torque's noise.
+                    let gains = at.design.gains.clone();
+                    let deviance = squares + gains.log_variance(problem.mask);
+                    (Design { gains, innovations: rows, deviance }, None)
                 };
                 let found = design.deviance + self.prior(&moved);
                 if found < likely || !problem.cautious {
                     if let Some(made) = made {
                         *along = Cow::Owned(made);
                     }
-                    let change = problem.residual(&rows) - residual;
                     let kept = [promised, before - after];
                     own.learn(&step, &change, &curvature.diagonal(), kept);
                     let damping = (at.damping * 0.1).max(DAMPING[1]);

@@ -14,6 +14,7 @@ pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Wal
 use crate::estimate::keep::{Keep, Measured, Passed, Whole};
 use crate::estimate::late::Late;
 use crate::estimate::record::{CHANNELS, Channel, Record, caught};
+use crate::estimate::scales::{Known, Scales};
 use crate::estimate::slopes::is_of_a_sensor;
 use crate::lanes::Linear;
 use crate::model::Model;
@@ -31,9 +32,7 @@ pub struct Observer<'a> {
     pub(super) layout: Layout,
     pub(super) shaft: f64,
     inertia: Vec<f64>,
-    start_sigma: Vec<f64>,
-    /// Steps over which states are differenced, and the drive.
-    steps: Vec<f64>,
+    known: Known,
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
     pub(super) sensor_errors: bool,
@@ -46,53 +45,12 @@ impl<'a> Observer<'a> {
     pub fn new(model: &Model, plant: &'a dyn Plant, record: &'a Record) -> Self {
         let layout = Layout::of(model);
         let inertia = inertias(model);
-        let mut start_sigma = vec![0.0; layout.len()];
-        let mut steps = vec![0.0; layout.len() + 1];
-        let first = record.grid.interval(0);
-        let span = |channel: Channel| {
-            let values = record.measured.iter().map(|row| row[channel as usize]);
-            values.filter(|v| v.is_finite()).fold(0.0_f64, |most, v| most.max(v.abs()))
-        };
-        let turn = record.sensor_sigma(model, Channel::Motor);
-        let fastest = speed_scale(record).max(turn / first * 1e-3);
-        let current = span(Channel::Current).max(1e-3);
-        start_sigma[Layout::CURRENT] = 0.1 * current;
-        start_sigma[Layout::ANGLE] = turn;
-        steps[Layout::CURRENT] = 1e-6 * current;
-        steps[Layout::ANGLE] = 1e-7;
-        for (k, stage) in model.stages.iter().enumerate() {
-            let shaft = joint_core::per_unit::Bases::si(&model.motor, &model.stages).shaft(k + 1);
-            let reach = stage.friction.breakaway_nm() / stage.stiffness_nm_per_rad / shaft.abs();
-            start_sigma[layout.deflection(k)] = reach.max(1e-9);
-            steps[layout.deflection(k)] = (1e-5 * reach).max(1e-11);
-        }
-        for mass in 0..=model.stages.len() {
-            start_sigma[layout.speed(mass)] = 1e-3 * fastest;
-            steps[layout.speed(mass)] = 1e-7 * fastest;
-            start_sigma[layout.bristle(mass)] = 0.3;
-            steps[layout.bristle(mass)] = 1e-6;
-        }
-        for slot in 0..layout.memories {
-            steps[layout.memory(slot)] = 1e-6;
-        }
-        let largest = record.drive_values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        steps[layout.len()] = (1e-6 * largest).max(1e-9);
+        let known = Known::of(model);
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
         let sensor_errors = model.effects.iter().any(|effect| is_of_a_sensor(effect.kind));
         let idle = Vec::new();
-        Self {
-            plant,
-            record,
-            layout,
-            shaft,
-            inertia,
-            start_sigma,
-            steps,
-            late,
-            sensor_errors,
-            idle,
-        }
+        Self { plant, record, layout, shaft, inertia, known, late, sensor_errors, idle }
     }
 
     /// Designs the gains along the record and runs it.
@@ -121,7 +79,7 @@ impl<'a> Observer<'a> {
         let order = self.layout.len() + walks.len();
         let mut whole = Whole::new(self.record.len(), order, walks, with_states);
         self.run(along, noise, walks, &mut whole);
-        (whole.gains, whole.run)
+        whole.results(order)
     }
 
     /// Runs the filter along a linearisation, which is made if it is empty.
@@ -137,6 +95,7 @@ impl<'a> Observer<'a> {
         let mut x = Vec::new();
         let mut p = Covariance::independent(std::iter::empty());
         let mut scratch = Scratch::new(order);
+        let scales = self.known.scales(self.record, self.layout);
         let made = along.drive.len() >= samples.saturating_sub(1) * self.layout.len();
         let linear = (!made).then(|| self.plant.linear());
         for k in 0..samples {
@@ -149,7 +108,7 @@ impl<'a> Observer<'a> {
             }
             if self.record.starts.contains(&k) {
                 x = self.start(k, order);
-                p = self.start_covariance(k, walks);
+                p = self.start_covariance(k, &scales, walks);
                 keep.began();
             }
             for channel in Channel::ALL {
@@ -179,7 +138,8 @@ impl<'a> Observer<'a> {
             }
             keep.corrected(&x);
             if k + 1 < samples {
-                self.linearise(k, &mut x, walks, along, (linear.as_deref(), &mut scratch));
+                let by = linear.as_deref().map(|linear| (linear, &scales));
+                self.linearise(k, &mut x, walks, along, (by, &mut scratch));
                 self.predict(k, &mut p, noise, walks, along, &mut scratch);
                 let Scratch { transition, column: drive, kick, .. } = &scratch;
                 keep.passed(&Passed { transition, drive, kick });
@@ -265,11 +225,11 @@ impl<'a> Observer<'a> {
         if speed.is_finite() { speed } else { 0.0 }
     }
 
-    fn start_covariance(&self, k: usize, walks: &[Walk]) -> Covariance {
+    fn start_covariance(&self, k: usize, scales: &Scales, walks: &[Walk]) -> Covariance {
         let n = self.layout.len();
         // Nothing but the encoder is known of a joint in motion.
         let cut = self.record.cuts.contains(&k);
-        let sigma = |state: usize| match self.start_sigma.get(state) {
+        let sigma = |state: usize| match scales.start_sigma.get(state) {
             Some(sigma) if cut && state != Layout::ANGLE => UNKNOWN * sigma,
             Some(sigma) => *sigma,
             None => walks[state - n].initial,
@@ -298,7 +258,10 @@ impl<'a> Observer<'a> {
             .map(|(_, state)| x(state))
             .sum();
         let (angle, speed, output) = match channel {
-            Channel::Current => return bias + self.plant.measured_current(x(Layout::CURRENT)),
+            Channel::Current if self.sensor_errors => {
+                return bias + self.plant.measured_current(x(Layout::CURRENT));
+            }
+            Channel::Current => return bias + x(Layout::CURRENT),
             Channel::Motor => (x(Layout::ANGLE), x(self.layout.speed(0)), false),
             Channel::Output => {
                 let wound: f64 =
@@ -392,15 +355,17 @@ impl<'a> Observer<'a> {
         x: &mut [f64],
         walks: &[Walk],
         along: &mut Cow<'_, Linearisation>,
-        (linear, scratch): (Option<&dyn Linear>, &mut Scratch),
+        (linear, scratch): (Option<(&dyn Linear, &Scales)>, &mut Scratch),
     ) {
-        let Some(linear) = linear else { return self.advance(k, x, walks) };
+        let Some((linear, Scales { steps, .. })) = linear else {
+            return self.advance(k, x, walks);
+        };
         let n = self.layout.len();
         // Away from the reversal: friction's derivative is taken on the side it moves to.
         let away = |step: &f64, x: &f64| if *x < 0.0 { -step } else { *step };
         scratch.steps.clear();
-        scratch.steps.extend(self.steps.iter().zip(&x[..n]).map(|(step, x)| away(step, x)));
-        scratch.steps.extend(self.steps.last());
+        scratch.steps.extend(steps.iter().zip(&x[..n]).map(|(step, x)| away(step, x)));
+        scratch.steps.extend(steps.last());
         let inputs = [self.driven(k, x, walks), self.record.load_nm[k]];
         let Linearisation { transition, drive } = along.to_mut();
         linear.propagate(k, &mut x[..n], inputs, &scratch.steps, (transition, drive));
@@ -484,14 +449,4 @@ impl Scratch {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// A speed that the record reaches, rad/s.
-fn speed_scale(record: &Record) -> f64 {
-    let angle = |k: usize| record.measured[k][Channel::Motor as usize];
-    let gap = 20.min(record.len() / 2).max(1);
-    (gap..record.len())
-        .map(|k| (angle(k) - angle(k - gap)).abs() / (record.time_s[k] - record.time_s[k - gap]))
-        .filter(|speed| speed.is_finite())
-        .fold(0.0, f64::max)
 }

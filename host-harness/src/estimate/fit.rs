@@ -38,6 +38,8 @@ pub struct Fit {
     pub deviance: f64,
     /// Sum of the squared distances from the priors, in sigmas.
     pub prior: f64,
+    /// What it took from minus twice the log-likelihood and the priors since its start.
+    pub gained: f64,
 }
 
 impl Fit {
@@ -221,17 +223,15 @@ impl<'a> Problem<'a> {
         Ok(scoring.results())
     }
 
-    /// A design along the linearisation of a model near it, or along one of its own, which is given too.
-    pub(super) fn design_near(
+    /// A design along a model's own linearisation, which is given too.
+    pub(super) fn design_anew(
         &self,
-        near: Option<&Linearisation>,
         model: &Model,
         noise: &Noise,
-    ) -> Result<(Design, Option<Linearisation>), BuildError> {
-        let mut along = near.map_or_else(|| Cow::Owned(Linearisation::default()), Cow::Borrowed);
+    ) -> Result<(Design, Linearisation), BuildError> {
+        let mut along = Cow::Owned(Linearisation::default());
         let design = self.design_along(&mut along, model, noise)?;
-        let made = if let Cow::Owned(made) = along { Some(made) } else { None };
-        Ok((design, made))
+        Ok((design, along.into_owned()))
     }
 
     /// Innovations of a model with frozen gains.

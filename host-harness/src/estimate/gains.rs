@@ -1,5 +1,7 @@
 //! What a filter is designed with, and what the design gives: pushes and noises, gains and runs.
 
+use std::sync::Arc;
+
 use crate::estimate::record::{CHANNELS, Channel};
 
 /// A slow, unknown push on one equation of the joint.
@@ -59,9 +61,9 @@ impl Noise {
 pub struct Gains {
     pub(super) order: usize,
     /// By sample and channel: gain of the state on the innovation divided by its sigma.
-    pub(super) gain: Vec<f64>,
+    pub(super) gain: Arc<Vec<f64>>,
     /// By sample and channel: one over the innovation's sigma, zero where nothing is measured.
-    pub(super) weight: Vec<[f64; CHANNELS]>,
+    pub(super) weight: Arc<Vec<[f64; CHANNELS]>>,
     pub(super) walks: Vec<Walk>,
 }
 

@@ -1,6 +1,8 @@
 //! What is kept of a filter's way along a record: all of it, or its likelihood alone, which the search
 //! for the noise asks for more often than all else together.
 
+use std::sync::Arc;
+
 use super::filter::{Gains, Run, Walk};
 use super::record::{CHANNELS, Channel};
 
@@ -42,32 +44,40 @@ pub(super) trait Keep {
 }
 
 /// Gains and innovations, and the states where they are asked for.
-pub(super) struct Whole {
-    pub(super) gains: Gains,
-    pub(super) run: Run,
+pub(super) struct Whole<'w> {
+    walks: &'w [Walk],
+    gain: Vec<f64>,
+    weight: Vec<[f64; CHANNELS]>,
+    run: Run,
     with_states: bool,
 }
 
-impl Whole {
-    pub(super) fn new(samples: usize, order: usize, walks: &[Walk], with_states: bool) -> Self {
-        let gains = Gains {
-            order,
+impl<'w> Whole<'w> {
+    pub(super) fn new(samples: usize, order: usize, walks: &'w [Walk], with_states: bool) -> Self {
+        let states = Vec::with_capacity(if with_states { samples } else { 0 });
+        Self {
+            walks,
             gain: vec![0.0; samples * CHANNELS * order],
             weight: vec![[0.0; CHANNELS]; samples],
-            walks: walks.to_vec(),
-        };
-        let states = Vec::with_capacity(if with_states { samples } else { 0 });
-        let run = Run { innovations: vec![[0.0; CHANNELS]; samples], states };
-        Self { gains, run, with_states }
+            run: Run { innovations: vec![[0.0; CHANNELS]; samples], states },
+            with_states,
+        }
+    }
+
+    /// The gains of that many states, and the run.
+    pub(super) fn results(self, order: usize) -> (Gains, Run) {
+        let Self { walks, gain, weight, run, .. } = self;
+        let (gain, weight) = (Arc::new(gain), Arc::new(weight));
+        (Gains { order, gain, weight, walks: walks.to_vec() }, run)
     }
 }
 
-impl Keep for Whole {
+impl Keep for Whole<'_> {
     fn taken(&mut self, sample: usize, channel: usize, error: f64, weight: f64, gain: &[f64]) {
         self.run.innovations[sample][channel] = error;
-        self.gains.weight[sample][channel] = weight;
+        self.weight[sample][channel] = weight;
         let slot = (sample * CHANNELS + channel) * gain.len();
-        self.gains.gain[slot..slot + gain.len()].copy_from_slice(gain);
+        self.gain[slot..slot + gain.len()].copy_from_slice(gain);
     }
 
     fn corrected(&mut self, states: &[f64]) {

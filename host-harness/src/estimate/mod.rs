@@ -22,6 +22,7 @@ pub mod parameters;
 mod reach;
 pub mod record;
 pub mod refit;
+mod scales;
 mod scoring;
 pub mod slope;
 mod slopes;

@@ -226,15 +226,22 @@ impl Record {
     /// Noise that a channel's sensor adds, one sigma in its unit, as far as the model and the
     /// record's digits tell; at least what rounding to a count or to the last printed digit leaves.
     pub fn sensor_sigma(&self, model: &Model, channel: Channel) -> f64 {
+        Self::count_sigma(model, channel).max(self.digit_sigma(channel))
+    }
+
+    /// The same as far as the model tells; zero where it does not.
+    pub(super) fn count_sigma(model: &Model, channel: Channel) -> f64 {
         let counts = match channel {
-            Channel::Current => {
-                return model.sensor.current_noise_a.max(self.digit(channel) / 12.0_f64.sqrt());
-            }
+            Channel::Current => return model.sensor.current_noise_a,
             Channel::Motor => model.sensor.motor_encoder_counts_per_rev,
             Channel::Output => model.sensor.output_encoder_counts_per_rev,
         };
-        let count = if counts > 0.0 { std::f64::consts::TAU / counts } else { 0.0 };
-        count.max(self.digit(channel)) / 12.0_f64.sqrt()
+        if counts > 0.0 { std::f64::consts::TAU / counts / 12.0_f64.sqrt() } else { 0.0 }
+    }
+
+    /// The same as far as the record's digits tell.
+    pub(super) fn digit_sigma(&self, channel: Channel) -> f64 {
+        self.digit(channel) / 12.0_f64.sqrt()
     }
 
     /// Smallest change that a channel shows.

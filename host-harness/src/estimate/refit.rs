@@ -143,7 +143,8 @@ pub fn polish_unless(
     let first = noise::refine_along(problem, along, start, expected, noise)?;
     let known = Known { along, near: None };
     let fit = problem.fit_from(known, origin, start, coordinates, &first, 6)?;
-    if enough(&fit) {
+    // The noise is at its likeliest already where the model has not moved.
+    if enough(&fit) || fit.gained.abs() < problem.worth {
         return Ok(fit);
     }
     let second = noise::refine_along(problem, along, &fit.model, expected, &first)?;

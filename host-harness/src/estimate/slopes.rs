@@ -101,7 +101,7 @@ impl Problem<'_> {
 
     /// A short step that is long beside rounding.
     fn short_step(&self, gains: &Gains) -> f64 {
-        let rows = self.record.measured.iter().zip(&gains.weight);
+        let rows = self.record.measured.iter().zip(&*gains.weight);
         let finest = rows
             .flat_map(|(row, weights)| {
                 row.iter().zip(weights).map(|(value, weight)| value * weight)

@@ -108,7 +108,11 @@ impl<const N: usize> Woven<N> {
         let layout = Layout { stages: N, memories: 0 };
         let mut state = empty();
         let turns = flat[Layout::ANGLE].map(|angle| angle / TAU);
-        let whole = turns.map(f64::round);
+        // Rounded half away from zero, without a call for every lane.
+        let whole = turns.map(|turns| {
+            let whole = turns.trunc();
+            whole + if (turns - whole).abs() >= 0.5 { 1.0_f64.copysign(turns) } else { 0.0 }
+        });
         state.angle =
             Angle { whole: Lanes(whole), part: Lanes(turns) - Lanes(whole), lost: Lanes::ZERO };
         state.current = Lanes(flat[Layout::CURRENT]) * self.current[1];
