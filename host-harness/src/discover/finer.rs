@@ -95,4 +95,20 @@ mod tests {
         assert!(ended.is_some_and(|ended| ended < 0.5 * begun), "{begun} {ended:?}");
         assert!(asked(&fine, &fine).1.is_none());
     }
+
+    #[test]
+    fn a_joint_too_stiff_for_the_step_is_thrown_and_not_at_finer_steps() {
+        let truth = actuator();
+        let experiment = Experiment { sample_time_s: 4e-3, ..Experiment::clean(6.0) };
+        let log = record(&truth, &experiment, 3).unwrap();
+        let [coarse, fine] = [1, 64].map(|steps| Record::new(&log, Some(steps)));
+        let mask = vec![1.0; fine.len()];
+        let problem = Problem::new(&fine, &mask);
+        let expected = noise::expected(&truth, &fine);
+        let found = Search::new(trial::fitted(&problem, &truth, &[]), &[], expected);
+        assert!(!is_thrown(&fine, &found).unwrap());
+        let mut stiff = found.clone();
+        stiff.after.fit.model.stages[0].stiffness_nm_per_rad *= 1e3;
+        assert!(is_thrown(&coarse, &stiff).unwrap());
+    }
 }

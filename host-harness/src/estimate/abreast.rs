@@ -6,12 +6,12 @@
 use joint_core::work::Work;
 use rayon::prelude::*;
 
-use super::filter::{Equation, Gains, Observer, Walk};
+use super::filter::{Equation, Gains, Observer};
 use super::fit::Problem;
 use super::record::{CHANNELS, Channel};
-use crate::lanes::{Abreast, LANES};
+use crate::lanes::{Abreast, LANES, Lanes};
 use crate::model::Model;
-use crate::plant::{Layout, Plant, plant};
+use crate::plant::{Plant, plant};
 use crate::wide;
 
 /// Innovations by sample and channel.
@@ -94,9 +94,9 @@ impl Work for Together<'_, '_> {
         let common = designed.min(own);
         let order = own + gains.walks.len();
         let plain = observers.iter().all(|own| !own.sensor_errors);
-        let shafts = std::array::from_fn(|lane| of_lane(lane).shaft);
-        let late: [[f64; LANES]; CHANNELS] =
-            std::array::from_fn(|c| std::array::from_fn(|lane| of_lane(lane).late.by[c]));
+        let shafts = Lanes(std::array::from_fn(|lane| of_lane(lane).shaft));
+        let late: [Lanes; CHANNELS] =
+            std::array::from_fn(|c| Lanes(std::array::from_fn(|lane| of_lane(lane).late.by[c])));
         let measured: [&[[f64; CHANNELS]]; LANES] =
             std::array::from_fn(|lane| &*of_lane(lane).late.measured);
         let mut x = vec![[0.0; LANES]; order];
@@ -117,11 +117,14 @@ impl Work for Together<'_, '_> {
                 if weight == 0.0 {
                     continue;
                 }
-                let shown = match plain {
-                    true => first.shown_abreast(channel, &x, &gains.walks, (&shafts, &late[c])),
-                    false => std::array::from_fn(|lane| {
+                let shown = if plain {
+                    let [bias, there, speed] =
+                        first.seen(channel, |state| Lanes(x[state]), &gains.walks, shafts);
+                    (bias + there + late[c] * speed).0
+                } else {
+                    std::array::from_fn(|lane| {
                         of_lane(lane).shown_of(channel, |state| x[state][lane], &gains.walks)
-                    }),
+                    })
                 };
                 let mut errors = [0.0; LANES];
                 for ((error, shown), measured) in errors.iter_mut().zip(shown).zip(measured) {
@@ -162,55 +165,4 @@ impl Work for Together<'_, '_> {
         }
         rows
     }
-}
-
-impl Observer<'_> {
-    /// [`Observer::shown_of`] side by side, of sensors that do not err, whose joints differ in the output's
-    /// shaft and in how late the sensor is.
-    #[inline(always)]
-    fn shown_abreast(
-        &self,
-        channel: Channel,
-        x: &[[f64; LANES]],
-        walks: &[Walk],
-        (shafts, late): (&[f64; LANES], &[f64; LANES]),
-    ) -> [f64; LANES] {
-        let n = self.layout.len();
-        let mut bias = [0.0; LANES];
-        for (walk, state) in walks.iter().zip(n..) {
-            if walk.equation == Equation::Sensor(channel) {
-                bias = each(|lane| bias[lane] + x[state][lane]);
-            }
-        }
-        let angle = &x[Layout::ANGLE];
-        match channel {
-            Channel::Current => each(|lane| bias[lane] + x[Layout::CURRENT][lane]),
-            Channel::Motor => {
-                let speed = &x[self.layout.speed(0)];
-                each(|lane| bias[lane] + angle[lane] + late[lane] * speed[lane])
-            }
-            Channel::Output => {
-                let mut wound = [0.0; LANES];
-                for stage in 0..self.layout.stages {
-                    let own = &x[self.layout.deflection(stage)];
-                    wound = each(|lane| wound[lane] + own[lane]);
-                }
-                let speed = &x[self.layout.speed(self.layout.stages)];
-                each(|lane| {
-                    let output = (angle[lane] - wound[lane]) * shafts[lane];
-                    bias[lane] + output + late[lane] * (speed[lane] * shafts[lane])
-                })
-            }
-        }
-    }
-}
-
-/// A number of every lane.
-#[inline(always)]
-fn each(of: impl Fn(usize) -> f64) -> [f64; LANES] {
-    let mut lanes = [0.0; LANES];
-    for (lane, value) in lanes.iter_mut().enumerate() {
-        *value = of(lane);
-    }
-    lanes
 }

@@ -9,6 +9,8 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use joint_core::scalar::Scalar;
+
 use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
 use crate::estimate::keep::{Keep, Measured, Passed, Whole};
@@ -250,32 +252,41 @@ impl<'a> Observer<'a> {
         x: impl Fn(usize) -> f64,
         walks: &[Walk],
     ) -> f64 {
-        let n = self.layout.len();
-        let bias: f64 = walks
-            .iter()
-            .zip(n..)
-            .filter(|(walk, _)| walk.equation == Equation::Sensor(channel))
-            .map(|(_, state)| x(state))
-            .sum();
-        let (angle, speed, output) = match channel {
-            Channel::Current if self.sensor_errors => {
-                return bias + self.plant.measured_current(x(Layout::CURRENT));
-            }
-            Channel::Current => return bias + x(Layout::CURRENT),
-            Channel::Motor => (x(Layout::ANGLE), x(self.layout.speed(0)), false),
-            Channel::Output => {
-                let wound: f64 =
-                    (0..self.layout.stages).map(|k| x(self.layout.deflection(k))).sum();
-                let speed = x(self.layout.speed(self.layout.stages)) * self.shaft;
-                ((x(Layout::ANGLE) - wound) * self.shaft, speed, true)
-            }
-        };
+        let [bias, there, speed] = self.seen(channel, x, walks, self.shaft);
         let caught_up = self.late.by[channel as usize] * speed;
-        let error = match self.sensor_errors {
-            true => self.plant.encoder_error(output, angle, speed),
-            false => 0.0,
-        };
-        bias + angle + error + caught_up
+        match channel {
+            _ if !self.sensor_errors => bias + there + caught_up,
+            Channel::Current => bias + self.plant.measured_current(there),
+            Channel::Motor | Channel::Output => {
+                let error = self.plant.encoder_error(channel == Channel::Output, there, speed);
+                bias + there + error + caught_up
+            }
+        }
+    }
+
+    /// What a sensor sees of a joint, or of several side by side of which each has its own `shaft` to the
+    /// output: what wanders beside it, the current or the angle itself, and the speed of that angle.
+    #[inline(always)]
+    pub(super) fn seen<S: Scalar>(
+        &self,
+        channel: Channel,
+        x: impl Fn(usize) -> S,
+        walks: &[Walk],
+        shaft: S,
+    ) -> [S; 3] {
+        let of_sensor = |walk: &Walk| walk.equation == Equation::Sensor(channel);
+        let beside = walks.iter().zip(self.layout.len()..).filter(|(walk, _)| of_sensor(walk));
+        let bias = beside.fold(S::ZERO, |sum, (_, state)| sum + x(state));
+        match channel {
+            Channel::Current => [bias, x(Layout::CURRENT), S::ZERO],
+            Channel::Motor => [bias, x(Layout::ANGLE), x(self.layout.speed(0))],
+            Channel::Output => {
+                let stages = self.layout.stages;
+                let wound = (0..stages).fold(S::ZERO, |sum, k| sum + x(self.layout.deflection(k)));
+                let speed = x(self.layout.speed(stages)) * shaft;
+                [bias, (x(Layout::ANGLE) - wound) * shaft, speed]
+            }
+        }
     }
 
     pub(super) fn sensitivity(&self, channel: Channel, walks: &[Walk], row: &mut [f64]) {

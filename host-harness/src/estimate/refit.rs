@@ -143,7 +143,7 @@ pub fn polish_unless(
     let first = noise::refine_along(problem, along, start, expected, noise)?;
     let known = Known { along, near: None };
     let fit = problem.fit_from(known, origin, start, coordinates, &first, 6)?;
-    // The noise is at its likeliest already where the model has not moved.
+    // Where the model has not moved a second half finds little, though a lost one's noise may be on its way.
     if enough(&fit) || fit.gained.abs() < problem.worth {
         return Ok(fit);
     }
