@@ -22,10 +22,23 @@ use crate::estimate::refit::{self, DOUBTFUL, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
-/// Times the expected noise by which the model is distrusted, names that get as far, most rounds of their
-/// fits, and how far behind one that leaves nothing but noise they are given up.
-const TRUST: [(f64, usize, usize, f64); 3] =
-    [(30.0, 10, 4, 10.0 * FAR_BEHIND), (10.0, 4, 4, FAR_BEHIND), (3.0, 3, 6, FAR_BEHIND)];
+/// How far a model is trusted, and what is asked of the names there.
+struct Trust {
+    /// Times the expected noise.
+    noise: f64,
+    /// Names that get as far.
+    names: usize,
+    /// Most rounds of their fits.
+    rounds: usize,
+    /// How far behind one that leaves nothing but noise they are given up.
+    behind: f64,
+}
+
+const TRUST: [Trust; 3] = [
+    Trust { noise: 30.0, names: 10, rounds: 4, behind: 10.0 * FAR_BEHIND },
+    Trust { noise: 10.0, names: 4, rounds: 4, behind: FAR_BEHIND },
+    Trust { noise: 3.0, names: 3, rounds: 6, behind: FAR_BEHIND },
+];
 /// Most that errors are of the noise of a trust where they are nothing else, as RMS.
 const NOISE: f64 = 1.05;
 /// Share of the best score from which on a name is fitted.
@@ -56,7 +69,7 @@ pub(super) fn add_annealed(
 ) -> Result<bool, BuildError> {
     let base = search.after.clone();
     let expected = search.expected;
-    let [(first, _, rounds, _), .., (last, ..)] = TRUST;
+    let [Trust { noise: first, rounds, .. }, .., Trust { noise: last, .. }] = TRUST;
     let anew = Model { effects: base.fit.model.effects.clone(), ..base.origin.clone() };
     let from = |rounds: usize| {
         let (moved, noise) = (&base.fit.coordinates, expected.distrusted(first));
@@ -85,8 +98,8 @@ pub(super) fn add_annealed(
     scored.sort_by(|a, b| b.1.total_cmp(&a.1));
     let scored = first_of_each(scored, |(name, _)| *name);
     let mut near = 0;
-    for (distrust, most, rounds, behind) in TRUST {
-        field.truncate(most);
+    for Trust { noise: distrust, names, rounds, behind } in TRUST {
+        field.truncate(names);
         let fitted = field.into_par_iter().map(|entry| {
             let (origin, moved) = base.widened(entry.hypothesis);
             let near = (distrust == first).then(|| tests[entry.test].jacobian());

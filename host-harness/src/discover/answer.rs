@@ -17,7 +17,7 @@ use super::confidence::{SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
-use super::finer::{ask_finer, is_thrown};
+use super::finer::{ask_finer, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
@@ -102,15 +102,13 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
-    if !found.rounds.is_empty() && !interrupt::asked() {
-        let finer = record.refined(micro_steps * FINER);
-        if let Some(left) = ask_finer(&Problem::new(&finer, &fitted), &mut found, &remainder)? {
-            remainder = left;
-            record = finer;
-        }
-    }
-    if is_thrown(&record, &found)? {
-        record = record.refined(micro_steps * FINER);
+    let finer = record.refined(micro_steps * FINER);
+    if !found.rounds.is_empty()
+        && !interrupt::asked()
+        && let Some(left) = ask_finer(&Problem::new(&finer, &fitted), &mut found, &remainder)?
+    {
+        remainder = left;
+        record = finer.clone();
     }
     let problem = Problem::new(&record, &fitted);
     if !interrupt::asked() {
@@ -126,11 +124,12 @@ pub fn discover_without(
         true => believable(&after.noise, &found.expected),
         false => after.noise,
     };
-    let every = vec![1.0; record.len()];
-    let everywhere = Problem { mask: &every, ..problem };
-    let run = |fit: &Fit| everywhere.design(&fit.model, &noise);
+    let run = |fit: &Fit| run_everywhere([&record, &finer], fit, &noise);
     let (run_before, run_after) = rayon::join(|| run(before), || run(after));
-    let [innovations_before, innovations_after] = [run_before?.innovations, run_after?.innovations];
+    let [(record_before, innovations_before), (record_after, innovations_after)] =
+        [run_before?, run_after?];
+    let every = vec![1.0; record.len()];
+    let everywhere = Problem::new(record_after, &every);
     let orders = orders(&found);
     let first = found.rounds.first().map(|round| round.name.0);
     let along_lines = !found.orders.is_empty() || first == Some(Kind::Cogging);
@@ -152,7 +151,16 @@ pub fn discover_without(
         (_, false) => Answer::Unknown,
     };
     let (disagreement, experiment) = rayon::join(
-        || locate(&problem, &found.before, &after.model, &calm, &orders, along_lines),
+        || {
+            locate(
+                &Problem::new(record_before, &fitted),
+                &found.before,
+                &after.model,
+                &calm,
+                &orders,
+                along_lines,
+            )
+        },
         || decisive(&found, &record, micro_steps, answer),
     );
     let (disagreement, experiment) = (disagreement?, experiment?);

@@ -6,8 +6,10 @@
 use super::gate::Remainder;
 use super::needless::drop_needless;
 use super::search::{LEAST_GAIN, Search, Stage, WEAK};
-use crate::estimate::fit::Problem;
-use crate::estimate::record::{CHANNELS, Record};
+use crate::estimate::abreast::Rows;
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::record::Record;
 use crate::estimate::{noise, refit};
 use crate::plant::BuildError;
 
@@ -54,18 +56,27 @@ pub(super) fn ask_finer(
     Ok(Some(Remainder::of(problem, &found.after.fit, &found.expected, problem.mask)?))
 }
 
-/// Whether the refitted nominal or the improved model leaves all numbers on a record of which the fits have
-/// seen a part: a moment among the others may ask for finer steps.
+/// What a fit makes of every sample at a noise: at the first of two `steps`, or at the finer ones where a moment
+/// that no fit has seen throws the filter beyond all numbers; and at which.
 ///
 /// # Errors
-/// A model cannot be built.
-pub(super) fn is_thrown(record: &Record, found: &Search) -> Result<bool, BuildError> {
-    let every = vec![1.0; record.len()];
-    let problem = Problem::new(record, &every);
-    let run = |Stage { fit, .. }: &Stage| problem.design(&fit.model, &fit.noise);
-    let (before, after) = rayon::join(|| run(&found.before), || run(&found.after));
-    let thrown = |rows: &[[f64; CHANNELS]]| !rows.iter().flatten().all(|error| error.is_finite());
-    Ok(thrown(&before?.innovations) || thrown(&after?.innovations))
+/// The model cannot be built.
+pub(super) fn run_everywhere<'r>(
+    steps: [&'r Record; 2],
+    fit: &Fit,
+    noise: &Noise,
+) -> Result<(&'r Record, Rows), BuildError> {
+    let run = |record: &Record| {
+        let every = vec![1.0; record.len()];
+        let design = Problem::new(record, &every).design(&fit.model, noise)?;
+        Ok::<Rows, BuildError>(design.innovations)
+    };
+    let [coarse, fine] = steps;
+    let rows = run(coarse)?;
+    match rows.iter().flatten().all(|error| error.is_finite()) {
+        true => Ok((coarse, rows)),
+        false => Ok((fine, run(fine)?)),
+    }
 }
 
 #[cfg(test)]
@@ -105,10 +116,14 @@ mod tests {
         let mask = vec![1.0; fine.len()];
         let problem = Problem::new(&fine, &mask);
         let expected = noise::expected(&truth, &fine);
-        let found = Search::new(trial::fitted(&problem, &truth, &[]), &[], expected);
-        assert!(!is_thrown(&fine, &found).unwrap());
-        let mut stiff = found.clone();
-        stiff.after.fit.model.stages[0].stiffness_nm_per_rad *= 1e3;
-        assert!(is_thrown(&coarse, &stiff).unwrap());
+        let Stage { fit, .. } = trial::fitted(&problem, &truth, &[]);
+        let mut stiff = fit.clone();
+        stiff.model.stages[0].stiffness_nm_per_rad *= 1e3;
+        let at = |fit: &Fit, first| run_everywhere([first, &fine], fit, &expected).unwrap();
+        for (fit, first, taken) in [(&fit, &fine, &fine), (&stiff, &coarse, &fine)] {
+            let (record, rows) = at(fit, first);
+            assert!(std::ptr::eq(record, taken));
+            assert!(rows.iter().flatten().all(|error| error.is_finite()));
+        }
     }
 }

@@ -31,6 +31,7 @@ mod reasons;
 mod rival;
 pub mod score_test;
 pub mod search;
+mod settle;
 mod timing;
 #[cfg(test)]
 mod trial;

@@ -27,6 +27,7 @@ use super::needless::{drop_idle, drop_needless, without};
 use super::order::ask_order;
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
+use super::settle::{fit_from_elsewhere, settle};
 use super::ways::add_to_lost;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -133,7 +134,7 @@ pub struct Search {
     /// What a constant torque explains where gravity is named.
     pub constant: Option<Constant>,
     /// What the fit cost whose springs were settled last.
-    settled: Option<f64>,
+    pub(super) settled: Option<f64>,
     /// The best of the weak names that no unseen sample bears out.
     pub(super) hope: Option<(Contender, Stage)>,
     /// The name that was beaten by a little in the first round.
@@ -186,15 +187,7 @@ pub fn search(
     look(last, &mut search, bar)?;
     if search.rounds.is_empty() && !calm(&search.after.fit.noise, &search.expected) {
         bar.set_message("refitting from elsewhere");
-        let Stage { fit, origin } = &search.after;
-        let again = refit::converge(&last, origin, fit.clone(), &search.expected)?;
-        let gained = cost(fit) - cost(&again);
-        if gained > 0.0 {
-            let found = Stage { fit: again, origin: origin.clone() };
-            search.before = found.clone();
-            search.after = found;
-        }
-        if gained > LEAST_GAIN {
+        if fit_from_elsewhere(&last, &mut search)? > LEAST_GAIN {
             search.hope = None;
             look(last, &mut search, bar)?;
         }
@@ -216,39 +209,13 @@ pub fn search(
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
         let Stage { fit, .. } = &search.after;
-        // Springs in a wrong valley leave more than noise.
         let clean = !fit.model.stages.is_empty()
-            && !calm(&fit.noise, &expected)
             && Remainder::of(&last, fit, &expected, last.mask)?.complaints(false).is_empty();
         settle(&last, &mut search, clean)?;
         drop_needless(last, &mut search, true)?;
     }
     bar.inc(1);
     Ok(search)
-}
-
-/// Refits a model with effects once more, unless it is the one that this gave last: what was missing
-/// may have held the springs in a wrong valley. What leaves a `clean` rest is only polished.
-fn settle(problem: &Problem<'_>, search: &mut Search, clean: bool) -> Result<(), BuildError> {
-    let Stage { fit, origin } = &search.after;
-    if search.settled == Some(cost(fit)) {
-        return Ok(());
-    }
-    let (model, moved, expected) = (&fit.model, &fit.coordinates, &search.expected);
-    let settled = if origin.stages.is_empty() || calm(&fit.noise, expected) {
-        refit::polish(problem, origin, model, moved, expected, &fit.noise)?
-    } else if clean {
-        refit::polish_on(problem, origin, fit.clone(), expected)?
-    } else {
-        refit::resettle(problem, origin, model, moved)?
-    };
-    let mut best = if cost(&settled) < cost(fit) { settled } else { fit.clone() };
-    if !clean && !calm(&best.noise, expected) {
-        best = refit::converge(problem, origin, best, expected)?;
-    }
-    search.settled = Some(cost(&best));
-    search.after = Stage { fit: best, origin: origin.clone() };
-    Ok(())
 }
 
 /// Adds effects until no more is found.

@@ -16,7 +16,7 @@ use super::record::CHANNELS;
 use super::slope::Slope;
 use crate::interrupt;
 use crate::model::Model;
-use crate::plant::BuildError;
+use crate::plant::{BuildError, inertias};
 
 /// Share of the sum of squares that a step must take for the joint to be linearised anew.
 const FAR: f64 = 0.1;
@@ -32,6 +32,8 @@ struct Descent<'d> {
     origin: &'d Model,
     coordinates: &'d [Coordinate],
     noise: &'d Noise,
+    /// Rotor inertia of the start, kg m².
+    inertia: f64,
     precision: DVector<f64>,
 }
 
@@ -45,7 +47,9 @@ struct Place {
 }
 
 impl Problem<'_> {
-    /// The same as [`Problem::fit`] with what is known at the start already.
+    /// The same as [`Problem::fit`] with what is known at the start already. The rotor's noise follows its
+    /// inertia: where a current is the input the two can hardly be told apart, and a fit at either would
+    /// crawl along both.
     ///
     /// # Errors
     /// The start cannot be built.
@@ -60,7 +64,8 @@ impl Problem<'_> {
     ) -> Result<Fit, BuildError> {
         let Known { along, near } = known;
         let precision = precision(coordinates);
-        let descent = Descent { problem: self, origin, coordinates, noise, precision };
+        let inertia = inertias(start)[0];
+        let descent = Descent { problem: self, origin, coordinates, noise, inertia, precision };
         let design = self.design_along(along, start, noise)?;
         let [damping, _] = DAMPING;
         let mut at = Place { model: start.clone(), design, linearised: true, damping };
@@ -91,15 +96,15 @@ impl Problem<'_> {
         let Place { model, mut design, linearised, .. } = at;
         if !linearised && !self.passing {
             *along = Cow::Owned(Linearisation::default());
-            design = self.design_along(along, &model, noise)?;
+            design = self.design_along(along, &model, &descent.noise_at(&model))?;
         }
         let prior = descent.prior(&model);
         Ok(Fit {
             gained: begun - design.deviance - prior,
             prior,
+            noise: descent.noise_at(&model),
             model,
             coordinates: coordinates.to_vec(),
-            noise: *noise,
             gains: design.gains,
             innovations: design.innovations,
             deviance: design.deviance,
@@ -116,6 +121,11 @@ impl Descent<'_> {
     fn prior(&self, model: &Model) -> f64 {
         let at = self.offset(self.origin, model);
         at.component_mul(&at).component_mul(&self.precision).sum()
+    }
+
+    /// The noise of a model: the torque's is what the same accelerations are with its rotor.
+    fn noise_at(&self, model: &Model) -> Noise {
+        Noise { torque: self.noise.torque * inertias(model)[0] / self.inertia, ..*self.noise }
     }
 
     /// Minus twice the log-likelihood and the prior where a descent stands.
@@ -162,7 +172,7 @@ impl Descent<'_> {
             let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
             let is_far = |gain: f64| problem.cautious || gain > FAR * before;
             let frozen = || problem.innovations(&moved, &at.design.gains);
-            let anew = || problem.design_anew(&moved, self.noise);
+            let anew = || problem.design_anew(&moved, &self.noise_at(&moved));
             // A second core designs at once what is needed if the step keeps its promise.
             let (rows, ahead) =
                 if attempt == 0 && is_far(promised) && rayon::current_num_threads() > 1 {
@@ -182,8 +192,8 @@ impl Descent<'_> {
                     let (design, made) = ahead.unwrap_or_else(anew)?;
                     (design, Some(made))
                 } else {
-                    // One designed along the same linearisation at the same noise has the same gains but for
-                    // what an inertia makes of the torque's noise.
+                    // One designed along the same linearisation at noise that follows the inertia has the same
+                    // gains.
                     let gains = at.design.gains.clone();
                     let deviance = squares + gains.log_variance(problem.mask);
                     (Design { gains, innovations: rows, deviance }, None)

@@ -1,0 +1,62 @@
+//! Fits that are stuck, and how they come free.
+//!
+//! What is missing holds springs in a wrong valley and friction in a wrong hollow, and they stay there when
+//! it is missing no more. Both leave something: noise that no right model needs, or a rest that is none.
+
+use super::search::{Search, Stage, calm};
+use crate::estimate::fit::Problem;
+use crate::estimate::refit::{self, cost};
+use crate::plant::BuildError;
+
+/// Refits a model with effects once more, unless it is the one that this gave last; what leaves a `clean` rest
+/// is only polished, and a joint without springs.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn settle(
+    problem: &Problem<'_>,
+    search: &mut Search,
+    clean: bool,
+) -> Result<(), BuildError> {
+    let Stage { fit, origin } = &search.after;
+    if search.settled == Some(cost(fit)) {
+        return Ok(());
+    }
+    let (model, moved, expected) = (&fit.model, &fit.coordinates, &search.expected);
+    let quiet = calm(&fit.noise, expected);
+    let settled = if origin.stages.is_empty() || clean && quiet {
+        refit::polish(problem, origin, model, moved, expected, &fit.noise)?
+    } else if clean {
+        refit::polish_on(problem, origin, fit.clone(), expected)?
+    } else if quiet {
+        refit::cooled(problem, origin, fit, expected)?
+    } else {
+        refit::resettle(problem, origin, model, moved)?
+    };
+    let mut best = if cost(&settled) < cost(fit) { settled } else { fit.clone() };
+    if !clean && !calm(&best.noise, expected) {
+        best = refit::converge(problem, origin, best, expected)?;
+    }
+    search.settled = Some(cost(&best));
+    search.after = Stage { fit: best, origin: origin.clone() };
+    Ok(())
+}
+
+/// Refits the nominal from elsewhere, and keeps it if it is likelier; by how much it is.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn fit_from_elsewhere(
+    problem: &Problem<'_>,
+    search: &mut Search,
+) -> Result<f64, BuildError> {
+    let Stage { fit, origin } = &search.after;
+    let again = refit::converge(problem, origin, fit.clone(), &search.expected)?;
+    let gained = cost(fit) - cost(&again);
+    if gained > 0.0 {
+        let found = Stage { fit: again, origin: origin.clone() };
+        search.before = found.clone();
+        search.after = found;
+    }
+    Ok(gained)
+}
