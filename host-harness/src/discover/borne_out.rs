@@ -2,22 +2,22 @@
 //! happened to be fitted.
 
 use super::gate::PLAIN_TORQUE_EXCESS;
-use super::search::{WEAK, calm};
+use super::search::calm;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::model::Model;
 use crate::plant::BuildError;
 
-/// Whether of a strong name a better fit of all the rest leaves a weak one, whose own gain is borne out by
-/// nothing: then that fit is the base that names are to be asked for beside.
+/// Whether of a strong name, by what it gained and what of that is its own, a better fit of all the rest leaves
+/// a `weak` one that is borne out by nothing: then that fit is the base that names are to be asked for beside.
 pub(super) fn owed_to_the_rest(
     problem: Problem<'_>,
     simpler: &Fit,
     fit: &Fit,
-    [gain, own]: [f64; 2],
+    [gain, own, weak]: [f64; 3],
     expected: &Noise,
 ) -> Result<bool, BuildError> {
-    Ok(gain >= WEAK && own < WEAK && !holds(problem, simpler, fit, expected)?)
+    Ok(gain >= weak && own < weak && !holds(problem, simpler, fit, expected)?)
 }
 
 /// Whether what a fit has more than another, the simpler one, is borne out: by noise that is as expected
@@ -82,14 +82,14 @@ mod tests {
         };
         assert!(own(&proud) > own(&simpler), "{} {}", own(&proud), own(&simpler));
         assert!(holds(problem, &simpler, &proud, &expected).unwrap());
-        let owed = |fit: &Fit, gains: [f64; 2]| {
+        let owed = |fit: &Fit, gains: [f64; 3]| {
             owed_to_the_rest(problem, &simpler, fit, gains, &expected).unwrap()
         };
-        assert!(!owed(&proud, [2.0 * WEAK, 0.5 * WEAK]));
+        assert!(!owed(&proud, [2.0, 0.5, 1.0]));
         let wrong = Fit { model: flipped(&proud.model), ..proud };
         assert!(!holds(problem, &simpler, &wrong, &expected).unwrap());
-        assert!(owed(&wrong, [2.0 * WEAK, 0.5 * WEAK]));
-        assert!(!owed(&wrong, [3.0 * WEAK, 2.0 * WEAK]));
+        assert!(owed(&wrong, [2.0, 0.5, 1.0]));
+        assert!(!owed(&wrong, [3.0, 2.0, 1.0]));
     }
 
     /// The same line the other way round.

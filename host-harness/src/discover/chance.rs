@@ -4,7 +4,7 @@
 use joint_core::params::Location;
 
 use super::score_test::Gain;
-use super::search::{LEAST_GAIN, Search, excess};
+use super::search::{LEAST_GAIN, Search, WEAK, excess};
 use crate::estimate::refit::{DOUBTFUL, RUGGED};
 
 /// Least that an effect must explain of a joint with one stage at most whose noise is not doubtful: in a
@@ -18,6 +18,11 @@ impl Search {
     /// Least that an effect at a place must explain of the model as it is.
     pub(super) fn least_gain(&self, place: Location) -> f64 {
         least_gain(self.after.origin.stages.len(), excess(self), place)
+    }
+
+    /// Gain below which an effect at a place is weak: samples that no fit has seen must bear it out.
+    pub(super) fn weak_gain(&self, place: Location) -> f64 {
+        WEAK / LEAST_GAIN * self.least_gain(place).max(LEAST_GAIN)
     }
 }
 

@@ -8,7 +8,7 @@ use joint_core::joint::Drive;
 use super::belief::possible;
 use super::borne_out::holds;
 use super::contradiction::contradiction;
-use super::search::{FAR_BEHIND, LEAST_GAIN, Search, Stage, WEAK};
+use super::search::{FAR_BEHIND, LEAST_GAIN, Search, Stage};
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::parameters::Quantity;
@@ -35,7 +35,8 @@ pub(super) fn drop_needless(
             last.effects.push(own);
             contradiction(&last, problem.record)
         };
-        let sure = (search.rounds.len() == 1 || weak) && search.rounds[k].gain >= WEAK;
+        let enough = search.weak_gain(search.rounds[k].name.1);
+        let sure = (search.rounds.len() == 1 || weak) && search.rounds[k].gain >= enough;
         if against.is_none() && sure {
             k += 1;
             continue;
@@ -55,7 +56,7 @@ pub(super) fn drop_needless(
             }
         }
         let lost = cost(&bare.fit) - kept;
-        let needed = lost >= WEAK
+        let needed = lost >= enough
             || lost >= least && holds(problem, &bare.fit, &search.after.fit, &search.expected)?;
         if against.is_some() || !needed {
             against.into_iter().for_each(|against| search.contradicted(against));

@@ -20,8 +20,8 @@ use super::followed::{Followed, followed};
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::score_test::{Gain, ScoreTest};
 use super::search::{
-    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WEAK, WORTH_ANOTHER, add_settled,
-    bared, calm, title,
+    Contender, LEAST_GAIN, MOST_EFFECTS, Round, Search, Stage, WORTH_ANOTHER, add_settled, bared,
+    calm, title,
 };
 use super::whereabouts::disagreeing;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -159,7 +159,8 @@ pub(super) fn conclude(
     if winner.gain < least {
         return Ok(false);
     }
-    if winner.gain < WEAK && !holds(problem, &base.fit, &stage.fit, &expected)? {
+    let weak = search.weak_gain(winner.name.1);
+    if winner.gain < weak && !holds(problem, &base.fit, &stage.fit, &expected)? {
         search.hope(winner, stage);
         return Ok(false);
     }
@@ -169,7 +170,7 @@ pub(super) fn conclude(
         search.before = plain.clone();
     }
     let own = winner.gain - owed;
-    let gains = [winner.gain, own];
+    let gains = [winner.gain, own, weak];
     if own < least || owed_to_the_rest(problem, &plain.fit, &stage.fit, gains, &expected)? {
         search.after = plain;
         return if owed < WORTH_ANOTHER { Ok(false) } else { add_settled(problem, search, round) };

@@ -27,7 +27,7 @@ use super::needless::{drop_idle, drop_needless, without};
 use super::order::ask_order;
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
-use super::settle::{fit_from_elsewhere, settle};
+use super::settle::{fit_from_elsewhere, is_clean, may_be_stuck, settle};
 use super::ways::add_to_lost;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -185,7 +185,7 @@ pub fn search(
     let problem = problem.rough();
     let mut search = Search::new(before, withdrawn, expected);
     look(last, &mut search, bar)?;
-    if search.rounds.is_empty() && !calm(&search.after.fit.noise, &search.expected) {
+    if search.rounds.is_empty() && may_be_stuck(&last, &search)? {
         bar.set_message("refitting from elsewhere");
         if fit_from_elsewhere(&last, &mut search)? > LEAST_GAIN {
             search.hope = None;
@@ -208,9 +208,7 @@ pub fn search(
     }
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
-        let Stage { fit, .. } = &search.after;
-        let clean = !fit.model.stages.is_empty()
-            && Remainder::of(&last, fit, &expected, last.mask)?.complaints(false).is_empty();
+        let clean = is_clean(&last, &search)?;
         settle(&last, &mut search, clean)?;
         drop_needless(last, &mut search, true)?;
     }
@@ -394,7 +392,8 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let mut stages = full.into_iter().map(|(_, stage)| stage);
     let Some(won) = stages.next() else { return Ok(Look::Nothing) };
     let plain = Fit { noise, ..base.fit.clone() };
-    if winner.gain < WEAK && !holds(problem, &plain, &won.fit, &search.expected)? {
+    let weak = search.weak_gain(winner.name.1);
+    if winner.gain < weak && !holds(problem, &plain, &won.fit, &search.expected)? {
         search.hope(contenders[0].clone(), won);
         return Ok(Look::Nothing);
     }
@@ -406,7 +405,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         if search.rounds.is_empty() {
             search.before = plain.clone();
         }
-        let gains = [gain, winner];
+        let gains = [gain, winner, weak];
         if winner < least
             || owed_to_the_rest(problem, &plain.fit, &won.fit, gains, &search.expected)?
         {

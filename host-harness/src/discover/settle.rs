@@ -3,6 +3,7 @@
 //! What is missing holds springs in a wrong valley and friction in a wrong hollow, and they stay there when
 //! it is missing no more. Both leave something: noise that no right model needs, or a rest that is none.
 
+use super::gate::Remainder;
 use super::search::{Search, Stage, calm};
 use crate::estimate::fit::Problem;
 use crate::estimate::refit::{self, cost};
@@ -42,6 +43,27 @@ pub(super) fn settle(
     Ok(())
 }
 
+/// Whether what the model of a chain leaves is noise.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn is_clean(problem: &Problem<'_>, search: &Search) -> Result<bool, BuildError> {
+    let Stage { fit, origin } = &search.after;
+    let left = Remainder::of(problem, fit, &search.expected, problem.mask)?;
+    Ok(!origin.stages.is_empty() && left.complaints(search.rounds.is_empty()).is_empty())
+}
+
+/// Whether a nominal may be fitted in a wrong hollow: one that needs more noise than it should, or that of a
+/// chain which leaves more than noise.
+///
+/// # Errors
+/// The model cannot be built.
+pub(super) fn may_be_stuck(problem: &Problem<'_>, search: &Search) -> Result<bool, BuildError> {
+    let Stage { fit, origin } = &search.after;
+    let quiet = calm(&fit.noise, &search.expected);
+    Ok(!quiet || !origin.stages.is_empty() && !is_clean(problem, search)?)
+}
+
 /// Refits the nominal from elsewhere, and keeps it if it is likelier; by how much it is.
 ///
 /// # Errors
@@ -51,7 +73,10 @@ pub(super) fn fit_from_elsewhere(
     search: &mut Search,
 ) -> Result<f64, BuildError> {
     let Stage { fit, origin } = &search.after;
-    let again = refit::converge(problem, origin, fit.clone(), &search.expected)?;
+    let again = match calm(&fit.noise, &search.expected) {
+        true => refit::cooled(problem, origin, fit, &search.expected)?,
+        false => refit::converge(problem, origin, fit.clone(), &search.expected)?,
+    };
     let gained = cost(fit) - cost(&again);
     if gained > 0.0 {
         let found = Stage { fit: again, origin: origin.clone() };
