@@ -45,6 +45,9 @@ const FINER: u32 = 4;
 /// Samples that are looked at; longer logs are thinned to stretches.
 const MOST_SAMPLES: usize = 60_000;
 
+/// Units of log-likelihood beyond which an experiment is sure to tell two models apart.
+const SURE: f64 = 1000.0;
+
 /// Why there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DiscoverError {
@@ -244,14 +247,20 @@ fn decisive(
     experiment(record, micro_steps, [&found.after, rival])
 }
 
-/// An experiment in a sentence.
+/// An experiment in a sentence. What tells two models apart beyond doubt is told no closer: parameters that
+/// may still move would take most of it.
 fn told(experiment: &Experiment) -> String {
-    let Experiment { name, worth, .. } = experiment;
+    let units = |worth: f64| match worth > SURE {
+        true => format!("more than {SURE:.0}"),
+        false => format!("{worth:.0}"),
+    };
     let mut text = format!(
-        "; the input in next_experiment.csv ({name}) would separate the best two models by {worth:.0} units of log-likelihood"
+        "; the input in next_experiment.csv ({}) would separate the best two models by {} units of log-likelihood",
+        experiment.name,
+        units(experiment.worth),
     );
     if let Some(seen) = experiment.with_output {
-        text += &format!(", with an encoder behind the last stage by {seen:.0}");
+        text += &format!(", with an encoder behind the last stage by {}", units(seen));
     }
     text
 }

@@ -26,8 +26,11 @@ const SCALE: f64 = 0.1;
 const SIGMA: f64 = 100.0;
 /// Rounds of the fit in which it is free.
 const ROUNDS: usize = 4;
+/// Share of its double below which a line is nothing itself.
+const NOTHING: f64 = 0.1;
 
-/// Gives the effect of round `k`, if it is a line, the order that makes the fit best.
+/// Gives the effect of round `k`, if it is a line, the order that makes the fit best; of a line that is all in its
+/// double, the double's.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -36,11 +39,36 @@ pub(super) fn ask_order(
     search: &mut Search,
     k: usize,
 ) -> Result<(), BuildError> {
-    if let Some(stage) = reordered(&problem, &search.after, search.place(k), &search.expected)? {
-        search.rounds[k].gain += cost(&search.after.fit) - cost(&stage.fit);
-        search.after = stage;
+    for asked in [doubled, reordered] {
+        if let Some(stage) = asked(&problem, &search.after, search.place(k), &search.expected)? {
+            search.rounds[k].gain += cost(&search.after.fit) - cost(&stage.fit);
+            search.after = stage;
+        }
     }
     Ok(())
+}
+
+/// The fit with a cogging of twice the order of the model's effect number `effect`, if that is one of which
+/// there is next to nothing but the double, and as likely so.
+fn doubled(
+    problem: &Problem<'_>,
+    Stage { fit, origin }: &Stage,
+    effect: usize,
+    expected: &Noise,
+) -> Result<Option<Stage>, BuildError> {
+    let line = fit.model.effects[effect];
+    let [order, amplitude, _, second, phase, ..] = line.values;
+    let order = 2.0 * order;
+    let most = line.kind.spec().parameters.first().map_or(0.0, |spec| spec.high);
+    if line.kind != Kind::Cogging || amplitude.abs() >= NOTHING * second.abs() || order > most {
+        return Ok(None);
+    }
+    let (mut start, mut origin) = (fit.model.clone(), origin.clone());
+    start.effects[effect].values[..5].copy_from_slice(&[order, second, phase, 0.0, 0.0]);
+    origin.effects[effect].values[0] = order;
+    let again = refit::polish(problem, &origin, &start, &fit.coordinates, expected, &fit.noise)?;
+    let as_likely = cost(&again) < cost(fit) + WORTH_ANOTHER;
+    Ok(as_likely.then_some(Stage { fit: again, origin }))
 }
 
 /// The fit with another order of the model's effect number `effect`, if that is a line and the fit the
@@ -168,6 +196,24 @@ mod tests {
         };
         assert_eq!(of(&trial::motor(), &log, begun(2.0)), Some(1.0));
         assert_eq!(of(&trial::motor(), &log, begun(1.0)), None);
+    }
+
+    #[test]
+    fn a_line_that_is_all_in_its_double_gets_the_doubles_order() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(14.0), 4.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask);
+        let expected = noise::expected(&nominal, &record);
+        let asked = |order: f64| {
+            let stage = trial::fitted(&problem, &nominal, &[cogging::line(order, 0.01, true)]);
+            let better = doubled(&problem, &stage, 0, &expected).unwrap();
+            better.map(|stage| stage.fit.model.effects[0].values)
+        };
+        let [order, amplitude, _, second, ..] = asked(7.0).unwrap();
+        assert_eq!(order, 14.0);
+        assert!(second.abs() < NOTHING * amplitude.abs(), "{amplitude} {second}");
+        assert!(asked(14.0).is_none());
     }
 
     #[test]

@@ -43,14 +43,17 @@ pub(super) fn settle(
     Ok(())
 }
 
-/// Whether what the model of a chain leaves is noise.
+/// Whether what the model leaves is noise; of a joint without stages nobody asks, and it is said not to be.
 ///
 /// # Errors
 /// The model cannot be built.
 pub(super) fn is_clean(problem: &Problem<'_>, search: &Search) -> Result<bool, BuildError> {
     let Stage { fit, origin } = &search.after;
+    if origin.stages.is_empty() {
+        return Ok(false);
+    }
     let left = Remainder::of(problem, fit, &search.expected, problem.mask)?;
-    Ok(!origin.stages.is_empty() && left.complaints(search.rounds.is_empty()).is_empty())
+    Ok(left.complaints(search.rounds.is_empty()).is_empty())
 }
 
 /// Whether a nominal may be fitted in a wrong hollow: one that needs more noise than it should, or that of a

@@ -111,7 +111,7 @@ pub fn null_innovations(
 fn is_thrown(rows: &Rows) -> bool {
     let squares = rows.iter().flatten().filter(|e| **e != 0.0).map(|e| e * e);
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), e| (sum + e, count + 1.0));
-    !(sum <= THROWN * THROWN * count)
+    sum.is_nan() || sum > THROWN * THROWN * count
 }
 
 #[cfg(test)]

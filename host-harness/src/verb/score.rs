@@ -35,10 +35,10 @@ pub struct Args {
     #[arg(long, value_name = "N", conflicts_with = "set")]
     pub simulate: Option<u64>,
     /// Which joints are drawn
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "simulate")]
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with_all = ["set", "join"])]
     pub seed: u64,
     /// The first of the draws to run, so that several machines can share one benchmark
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "simulate")]
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["set", "join"])]
     pub from: u64,
     /// Only cases of which this is the right answer
     #[arg(long, value_name = "ANSWER", conflicts_with = "join")]
