@@ -6,7 +6,8 @@
 
 use std::f64::consts::TAU;
 
-use joint_core::effect::Kind;
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::per_unit::Bases;
 use rayon::prelude::*;
 
 use super::candidates::{encoder_eccentricity, gravity};
@@ -26,6 +27,8 @@ const SCALE: f64 = 0.1;
 const SIGMA: f64 = 100.0;
 /// Rounds of the fit in which it is free.
 const ROUNDS: usize = 4;
+/// Times a line is given an order beside its own, or that it tells itself.
+const HOPS: usize = 4;
 /// Share of its double below which a line is nothing itself.
 const NOTHING: f64 = 0.1;
 
@@ -39,10 +42,19 @@ pub(super) fn ask_order(
     search: &mut Search,
     k: usize,
 ) -> Result<(), BuildError> {
-    for asked in [doubled, reordered] {
-        if let Some(stage) = asked(&problem, &search.after, search.place(k), &search.expected)? {
-            search.rounds[k].gain += cost(&search.after.fit) - cost(&stage.fit);
-            search.after = stage;
+    let take = |search: &mut Search, better: Option<Stage>| {
+        let Some(stage) = better else { return false };
+        search.rounds[k].gain += cost(&search.after.fit) - cost(&stage.fit);
+        search.after = stage;
+        true
+    };
+    let (place, expected) = (search.place(k), search.expected);
+    let better = doubled(&problem, &search.after, place, &expected)?;
+    take(search, better);
+    for _ in 0..HOPS {
+        let better = reordered(&problem, &search.after, place, &expected)?;
+        if !take(search, better) {
+            break;
         }
     }
     Ok(())
@@ -99,7 +111,7 @@ fn reordered(
     if line.kind == Kind::EncoderEccentricity {
         let others = encoder_eccentricity::ORDERS.into_iter().filter(|order| *order != new);
         starts.extend(others.map(|order| (&fit.model, order)));
-    } else if own.fract() == 0.0 && travel_rad(problem.record) < TAU {
+    } else if own.fract() == 0.0 && travel_rad(problem.record, &fit.model, &line) < TAU {
         let beside = [own - 1.0, own + 1.0].into_iter().filter(|order| *order != new);
         starts.extend(beside.map(|order| (&fit.model, order)));
     }
@@ -124,23 +136,27 @@ fn reordered(
     Ok(best.filter(|best| cost(&best.fit) < cost(fit) - WORTH_ANOTHER))
 }
 
-/// How far the motor's encoder travels in a record.
-fn travel_rad(record: &Record) -> f64 {
+/// How far the shaft of a line travels in a record, by the motor's encoder.
+fn travel_rad(record: &Record, model: &Model, line: &EffectParameters) -> f64 {
     let angles = record.measured.iter().map(|row| row[Channel::Motor as usize]);
     let seen = angles.filter(|angle| angle.is_finite());
     let (low, high) = seen.fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(q), high.max(q)));
-    high - low
+    let bases = Bases::si(&model.motor, &model.stages);
+    let mass = bases.mass(line.location).unwrap_or(0);
+    // The teeth of a stage are counted along the shaft before it.
+    let mass = mass.saturating_sub(usize::from(line.kind == Kind::TransmissionError));
+    (high - low) * bases.shaft(mass).abs()
 }
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::EffectParameters;
     use joint_core::params::Location;
 
     use super::super::candidates::cogging;
     use super::super::hypothesis::{Free, Hypothesis};
     use super::super::trial;
     use super::*;
+    use crate::demo::actuator;
     use crate::estimate::noise;
     use crate::log::Log;
     use crate::model::Model;
@@ -214,6 +230,19 @@ mod tests {
         assert_eq!(order, 14.0);
         assert!(second.abs() < NOTHING * amplitude.abs(), "{amplitude} {second}");
         assert!(asked(14.0).is_none());
+    }
+
+    #[test]
+    fn a_line_travels_with_its_own_shaft_and_teeth_with_the_one_before() {
+        let model = actuator();
+        let record = Record::new(&trial::log(&trial::motor(), trial::line(42.0), 1.8), None);
+        let of =
+            |kind, location| travel_rad(&record, &model, &EffectParameters::new(kind, location));
+        let motor = of(Kind::Cogging, Location::Motor);
+        let behind = of(Kind::PositionDependentFriction, Location::Stage(1));
+        assert!((behind * model.stages[0].reduction / motor - 1.0).abs() < 1e-12, "{behind}");
+        assert_eq!(of(Kind::TransmissionError, Location::Stage(1)), motor);
+        assert_eq!(of(Kind::EncoderEccentricity, Location::Encoder), motor);
     }
 
     #[test]
