@@ -28,7 +28,7 @@ pub struct Fit {
     pub model: Model,
     /// What was moved.
     pub coordinates: Vec<Coordinate>,
-    /// Noise at which it was fitted.
+    /// Noise at the fitted model: the rotor's has followed its inertia.
     pub noise: Noise,
     /// The filter's gains at the fitted model.
     pub gains: Gains,
