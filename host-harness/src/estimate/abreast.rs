@@ -3,6 +3,7 @@
 //!
 //! A derivative by differences, and the score of a name, are a run for every value that may move.
 
+use joint_core::scalar::Scalar;
 use joint_core::work::Work;
 use rayon::prelude::*;
 
@@ -99,7 +100,7 @@ impl Work for Together<'_, '_> {
             std::array::from_fn(|c| Lanes(std::array::from_fn(|lane| of_lane(lane).late.by[c])));
         let measured: [&[[f64; CHANNELS]]; LANES] =
             std::array::from_fn(|lane| &*of_lane(lane).late.measured);
-        let mut x = vec![[0.0; LANES]; order];
+        let mut x = vec![Lanes::ZERO; order];
         let mut rows = vec![vec![[0.0; CHANNELS]; first.record.len()]; observers.len()];
         for k in 0..first.record.len() {
             if first.is_idle(k) {
@@ -108,7 +109,7 @@ impl Work for Together<'_, '_> {
             if first.record.starts.contains(&k) {
                 for lane in 0..LANES {
                     let start = of_lane(lane).start(k, order);
-                    x.iter_mut().zip(start).for_each(|(x, value)| x[lane] = value);
+                    x.iter_mut().zip(start).for_each(|(x, value)| x.0[lane] = value);
                 }
             }
             for channel in Channel::ALL {
@@ -119,19 +120,19 @@ impl Work for Together<'_, '_> {
                 }
                 let shown = if plain {
                     let [bias, there, speed] =
-                        first.seen(channel, |state| Lanes(x[state]), &gains.walks, shafts);
+                        first.seen(channel, |state| x[state], &gains.walks, shafts);
                     (bias + there + late[c] * speed).0
                 } else {
                     std::array::from_fn(|lane| {
-                        of_lane(lane).shown_of(channel, |state| x[state][lane], &gains.walks)
+                        of_lane(lane).shown_of(channel, |state| x[state].0[lane], &gains.walks)
                     })
                 };
-                let mut errors = [0.0; LANES];
-                for ((error, shown), measured) in errors.iter_mut().zip(shown).zip(measured) {
+                let mut errors = Lanes::ZERO;
+                for ((error, shown), measured) in errors.0.iter_mut().zip(shown).zip(measured) {
                     let own = (measured[k][c] - shown) * weight;
                     *error = if own.is_finite() { own } else { 0.0 };
                 }
-                for (rows, error) in rows.iter_mut().zip(&errors) {
+                for (rows, error) in rows.iter_mut().zip(&errors.0) {
                     rows[k][c] = *error;
                 }
                 let slot = (k * CHANNELS + c) * gains.order;
@@ -139,16 +140,14 @@ impl Work for Together<'_, '_> {
                 let (head, tail) = x.split_at_mut(own);
                 let corrected =
                     head[..common].iter_mut().zip(states).chain(tail.iter_mut().zip(walks));
-                for (values, gain) in corrected {
-                    for (value, error) in values.iter_mut().zip(&errors) {
-                        *value += gain * error;
-                    }
+                for (value, gain) in corrected {
+                    *value = *value + Lanes::all(*gain) * errors;
                 }
             }
-            let mut drive = [first.record.drive_values[k]; LANES];
+            let mut drive = Lanes::all(first.record.drive_values[k]);
             for (walk, push) in gains.walks.iter().zip(&x[own..]) {
                 if walk.equation == Equation::Voltage {
-                    drive.iter_mut().zip(push).for_each(|(drive, push)| *drive += push);
+                    drive = drive + *push;
                 }
             }
             joints.propagate(k, &mut x[..own], drive, first.record.load_nm[k]);
@@ -156,8 +155,8 @@ impl Work for Together<'_, '_> {
             for (j, walk) in gains.walks.iter().enumerate() {
                 if let Equation::Torque(mass) = walk.equation {
                     let torques = x[own + j];
-                    for (lane, torque) in torques.into_iter().enumerate() {
-                        let change = |state: usize, by| x[state][lane] += by;
+                    for (lane, torque) in torques.0.into_iter().enumerate() {
+                        let change = |state: usize, by| x[state].0[lane] += by;
                         of_lane(lane).pushed(mass, torque, interval, change);
                     }
                 }

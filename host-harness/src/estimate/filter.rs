@@ -13,12 +13,12 @@ use joint_core::scalar::Scalar;
 
 use crate::estimate::covariance::Covariance;
 pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
-use crate::estimate::keep::{Keep, Measured, Passed, Whole};
+use crate::estimate::keep::{Keep, Whole};
 use crate::estimate::late::Late;
+use crate::estimate::pass::Pass;
 use crate::estimate::record::{CHANNELS, Channel, Record, caught};
 use crate::estimate::scales::{Known, Scales};
 use crate::estimate::slopes::is_of_a_sensor;
-use crate::lanes::Linear;
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
 
@@ -34,7 +34,7 @@ pub struct Observer<'a> {
     pub(super) layout: Layout,
     pub(super) shaft: f64,
     inertia: Vec<f64>,
-    known: Known,
+    pub(super) known: Known,
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
     pub(super) sensor_errors: bool,
@@ -92,61 +92,7 @@ impl<'a> Observer<'a> {
         walks: &[Walk],
         keep: &mut impl Keep,
     ) {
-        let order = self.layout.len() + walks.len();
-        let samples = self.record.len();
-        let mut x = Vec::new();
-        let mut p = Covariance::independent(std::iter::empty());
-        let mut scratch = Scratch::new(order);
-        let scales = self.known.scales(self.record, self.layout);
-        let made = along.drive.len() >= samples.saturating_sub(1) * self.layout.len();
-        let linear = (!made).then(|| self.plant.linear());
-        for k in 0..samples {
-            if self.is_idle(k) {
-                if !made {
-                    along.to_mut().skip(self.layout.len());
-                }
-                keep.corrected(&x);
-                continue;
-            }
-            if self.record.starts.contains(&k) {
-                x = self.start(k, order);
-                p = self.start_covariance(k, &scales, walks);
-                keep.began();
-            }
-            for channel in Channel::ALL {
-                let c = channel as usize;
-                let measured = self.late.measured[k][c];
-                if !measured.is_finite() {
-                    continue;
-                }
-                let row = &mut scratch.row;
-                self.sensitivity(channel, walks, row);
-                p.times(row, &mut scratch.column);
-                let sensor = noise.sensors[c];
-                let variance = dot(row, &scratch.column) + sensor * sensor;
-                let weight = 1.0 / variance.sqrt();
-                let innovation = measured - self.shown(channel, &x, walks);
-                let error = innovation * weight;
-                let column = &scratch.column;
-                let sample = k;
-                keep.measured(&Measured { sample, channel, row, column, innovation, variance });
-                let gains = scratch.gain.iter_mut().zip(&mut x).zip(&scratch.column);
-                for ((gain, x), column) in gains {
-                    *gain = column * weight;
-                    *x += *gain * error;
-                }
-                keep.taken(k, c, error, weight, &scratch.gain);
-                p.add_square(-weight * weight, &scratch.column);
-            }
-            keep.corrected(&x);
-            if k + 1 < samples {
-                let by = linear.as_deref().map(|linear| (linear, &scales));
-                self.linearise(k, &mut x, walks, along, (by, &mut scratch));
-                self.predict(k, &mut p, noise, walks, along, &mut scratch);
-                let Scratch { transition, column: drive, kick, .. } = &scratch;
-                keep.passed(&Passed { transition, drive, kick });
-            }
-        }
+        Pass::new(self, along, noise, walks).over(0..self.record.len(), keep);
     }
 
     /// Runs the record with frozen gains; only the innovations. The gains may be those of a model
@@ -227,7 +173,7 @@ impl<'a> Observer<'a> {
         if speed.is_finite() { speed } else { 0.0 }
     }
 
-    fn start_covariance(&self, k: usize, scales: &Scales, walks: &[Walk]) -> Covariance {
+    pub(super) fn start_covariance(&self, k: usize, scales: &Scales, walks: &[Walk]) -> Covariance {
         let n = self.layout.len();
         // Nothing but the encoder is known of a joint in motion.
         let cut = self.record.cuts.contains(&k);
@@ -310,21 +256,21 @@ impl<'a> Observer<'a> {
     }
 
     /// One interval forward, with the walks' push.
-    fn advance(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
+    pub(super) fn advance(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
         let drive = self.driven(k, x, walks);
         self.plant.propagate(k, &mut x[..self.layout.len()], drive, self.record.load_nm[k]);
         self.kick(k, x, walks);
     }
 
     /// What drives the joint over the interval after sample `k`, with the walks on it.
-    fn driven(&self, k: usize, x: &[f64], walks: &[Walk]) -> f64 {
+    pub(super) fn driven(&self, k: usize, x: &[f64], walks: &[Walk]) -> f64 {
         let pushes = walks.iter().zip(&x[self.layout.len()..]);
         let pushes = pushes.filter(|(walk, _)| walk.equation == Equation::Voltage);
         self.record.drive_values[k] + pushes.map(|(_, value)| value).sum::<f64>()
     }
 
     /// The walks' torques over the interval after sample `k`.
-    fn kick(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
+    pub(super) fn kick(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
         let interval = self.record.grid.interval(k);
         for (j, walk) in walks.iter().enumerate() {
             if let Equation::Torque(mass) = walk.equation {
@@ -358,106 +304,4 @@ impl<'a> Observer<'a> {
             change(self.layout.deflection(mass), moved);
         }
     }
-
-    /// One interval forward, and its derivatives where they are not known.
-    fn linearise(
-        &self,
-        k: usize,
-        x: &mut [f64],
-        walks: &[Walk],
-        along: &mut Cow<'_, Linearisation>,
-        (linear, scratch): (Option<(&dyn Linear, &Scales)>, &mut Scratch),
-    ) {
-        let Some((linear, Scales { steps, .. })) = linear else {
-            return self.advance(k, x, walks);
-        };
-        let n = self.layout.len();
-        // Away from the reversal: friction's derivative is taken on the side it moves to.
-        let away = |step: &f64, x: &f64| if *x < 0.0 { -step } else { *step };
-        scratch.steps.clear();
-        scratch.steps.extend(steps.iter().zip(&x[..n]).map(|(step, x)| away(step, x)));
-        scratch.steps.extend(steps.last());
-        let inputs = [self.driven(k, x, walks), self.record.load_nm[k]];
-        let Linearisation { transition, drive } = along.to_mut();
-        linear.propagate(k, &mut x[..n], inputs, &scratch.steps, (transition, drive));
-        self.kick(k, x, walks);
-    }
-
-    /// The covariance one interval forward.
-    fn predict(
-        &self,
-        k: usize,
-        p: &mut Covariance,
-        noise: &Noise,
-        walks: &[Walk],
-        along: &Linearisation,
-        scratch: &mut Scratch,
-    ) {
-        let n = self.layout.len();
-        let order = n + walks.len();
-        let interval = self.record.grid.interval(k);
-        let by_drive = &along.drive[k * n..(k + 1) * n];
-        let f = &mut scratch.transition;
-        f.fill(0.0);
-        for i in 0..n {
-            let row = &along.transition[(k * n + i) * n..(k * n + i + 1) * n];
-            f[i * order..i * order + n].copy_from_slice(row);
-        }
-        let kick = &mut scratch.kick;
-        kick.fill(0.0);
-        self.push(kick, 0, 1.0, interval);
-        for (j, walk) in walks.iter().enumerate() {
-            match walk.equation {
-                Equation::Voltage => {
-                    for i in 0..n {
-                        f[i * order + n + j] = by_drive[i];
-                    }
-                }
-                Equation::Torque(mass) => {
-                    let own = &mut scratch.column;
-                    own.fill(0.0);
-                    self.push(own, mass, 1.0, interval);
-                    for i in 0..n {
-                        f[i * order + n + j] = own[i];
-                    }
-                }
-                Equation::Sensor(_) => {}
-            }
-            f[(n + j) * order + n + j] = 1.0;
-        }
-        p.carry(f);
-        scratch.column.fill(0.0);
-        scratch.column[..n].copy_from_slice(by_drive);
-        p.add_square(noise.drive * noise.drive, &scratch.column);
-        p.add_square(noise.torque * noise.torque, kick);
-        for (j, walk) in walks.iter().enumerate() {
-            p.add_variance(n + j, walk.rate * walk.rate * interval);
-        }
-    }
-}
-
-struct Scratch {
-    row: Vec<f64>,
-    column: Vec<f64>,
-    gain: Vec<f64>,
-    steps: Vec<f64>,
-    kick: Vec<f64>,
-    transition: Vec<f64>,
-}
-
-impl Scratch {
-    fn new(order: usize) -> Self {
-        Self {
-            row: vec![0.0; order],
-            column: vec![0.0; order],
-            gain: vec![0.0; order],
-            steps: Vec::with_capacity(order + 1),
-            kick: vec![0.0; order],
-            transition: vec![0.0; order * order],
-        }
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -12,6 +12,7 @@ use super::coordinates::{Coordinate, precision};
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::gram::gram;
 use super::keep::Likelihood;
+use super::pass::Pass;
 use super::record::{CHANNELS, Channel, Record};
 use super::scoring::{Scoring, Source};
 use crate::model::Model;
@@ -219,7 +220,7 @@ impl<'a> Problem<'a> {
         let walks = self.walks();
         let order = observer.layout.len() + walks.len();
         let mut scoring = Scoring::over(self.mask, noise, sources, order);
-        observer.run(along, noise, &walks, &mut scoring);
+        scoring.follow(Pass::new(&observer, along, noise, &walks), self.record.len());
         Ok(scoring.results())
     }
 

@@ -106,6 +106,17 @@ impl Linearisation {
         self.drive.is_empty()
     }
 
+    /// Whether it reaches over that many samples of that many states.
+    pub(super) fn covers(&self, samples: usize, states: usize) -> bool {
+        self.drive.len() >= samples.saturating_sub(1) * states
+    }
+
+    /// Makes room for that many samples of that many states.
+    pub(super) fn reserve(&mut self, samples: usize, states: usize) {
+        self.transition.reserve(samples * states * states);
+        self.drive.reserve(samples * states);
+    }
+
     /// Leaves one sample out, of that many states.
     pub(super) fn skip(&mut self, states: usize) {
         self.transition.extend(std::iter::repeat_n(f64::NAN, states * states));

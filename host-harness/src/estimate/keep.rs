@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::covariance::Transition;
 use super::filter::{Gains, Run, Walk};
 use super::record::{CHANNELS, Channel};
 
@@ -21,8 +22,8 @@ pub(super) struct Measured<'a> {
 
 /// One interval.
 pub(super) struct Passed<'a> {
-    /// By rows: derivative of each state with each.
-    pub(super) transition: &'a [f64],
+    /// Of each state with each.
+    pub(super) transition: &'a Transition,
     /// Of each state with the drive, and with a torque on the rotor.
     pub(super) drive: &'a [f64],
     pub(super) kick: &'a [f64],

@@ -10,7 +10,12 @@ use nalgebra::{DMatrix, DVector};
 use super::covariance::Covariance;
 use super::filter::Noise;
 use super::keep::{Keep, Likelihood, Measured, Passed};
+use super::pass::{Pass, dot};
 use super::record::Channel;
+use super::tape::Tape;
+
+/// Samples over which a filter runs ahead of its derivatives.
+const STRETCH: usize = 128;
 
 /// A noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +92,20 @@ impl<'m> Scoring<'m> {
         }
     }
 
+    /// Follows a filter over that many samples: a second core takes the derivatives of one stretch while the
+    /// filter runs over the next.
+    pub(super) fn follow(&mut self, mut pass: Pass<'_, '_, '_>, samples: usize) {
+        let order = self.scratch.len();
+        let [mut made, mut seen] = [Tape::default(), Tape::default()];
+        for first in (0..samples).step_by(STRETCH) {
+            let stretch = first..(first + STRETCH).min(samples);
+            made.clear();
+            rayon::join(|| pass.over(stretch, &mut made), || seen.play(order, self));
+            std::mem::swap(&mut made, &mut seen);
+        }
+        seen.play(order, self);
+    }
+
     /// Minus twice the log-likelihood, its gradient and its curvature.
     pub(super) fn results(self) -> (f64, DVector<f64>, DMatrix<f64>) {
         (self.likelihood.deviance(), self.gradient, self.information)
@@ -148,7 +167,7 @@ impl Keep for Scoring<'_> {
         let Passed { transition, drive, kick } = *over;
         let order = self.scratch.len();
         for Along { source, state, covariance, .. } in &mut self.along {
-            for (next, row) in self.scratch.iter_mut().zip(transition.chunks_exact(order)) {
+            for (next, row) in self.scratch.iter_mut().zip(transition.rows().chunks_exact(order)) {
                 *next = dot(row, state);
             }
             state.copy_from_slice(&self.scratch);
@@ -163,6 +182,41 @@ impl Keep for Scoring<'_> {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+#[cfg(test)]
+mod tests {
+    use std::borrow::Cow;
+
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::filter::{Linearisation, Observer};
+    use crate::estimate::fit::standing_walks;
+    use crate::estimate::noise::expected;
+    use crate::estimate::record::Record;
+    use crate::plant::plant;
+
+    #[test]
+    fn stretches_that_are_followed_give_the_bits_of_a_whole_way() {
+        let model = actuator();
+        // Two logs, neither of which is as long as some number of stretches.
+        let log = |seed| {
+            crate::synthetic::record(&model, &crate::synthetic::Experiment::clean(0.05), seed)
+        };
+        let record = Record::join(&[log(5).unwrap(), log(6).unwrap()], None).unwrap();
+        assert!(record.len() > 3 * STRETCH && record.starts.len() == 2);
+        let mask = vec![1.0; record.len()];
+        let noise = expected(&model, &record);
+        let walks = standing_walks(&record);
+        let plant = plant(&model, &record.grid, record.drive).unwrap();
+        let observer = Observer::new(&model, &*plant, &record);
+        let order = observer.layout.len() + walks.len();
+        let sources = [Source::Torque, Source::Drive, Source::Sensor(Channel::Motor)];
+        let empty = || Cow::Owned(Linearisation::default());
+        let mut whole = Scoring::over(&mask, &noise, &sources, order);
+        observer.run(&mut empty(), &noise, &walks, &mut whole);
+        let mut followed = Scoring::over(&mask, &noise, &sources, order);
+        let mut along = empty();
+        followed.follow(Pass::new(&observer, &mut along, &noise, &walks), record.len());
+        assert_eq!(whole.results(), followed.results());
+        assert!(along.covers(record.len(), observer.layout.len()));
+    }
 }

@@ -7,9 +7,11 @@ use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES};
 use joint_core::joint::Joint;
 use joint_core::scalar::Scalar;
+use joint_core::work::Work;
 
-use super::{Built, LANES, Lanes, constants};
+use super::{Built, LANES, Lanes, Woven, constants};
 use crate::plant::{Layout, MAX_STAGES};
+use crate::wide;
 
 /// A plant's derivatives with its own state.
 pub trait Linear: Send + Sync {
@@ -43,62 +45,84 @@ impl<const N: usize> Linear for Built<N> {
         &self,
         k: usize,
         state: &mut [f64],
-        [drive, load]: [f64; 2],
+        inputs: [f64; 2],
         steps: &[f64],
         (transition, by_drive): (&mut Vec<f64>, &mut Vec<f64>),
     ) {
-        let (joint, n) = (self.joint(k), state.len());
-        let begun = transition.len();
-        transition.resize(begun + n * n, 0.0);
-        let transition = &mut transition[begun..];
-        let by_drive_begun = by_drive.len();
-        by_drive.resize(by_drive_begun + n, 0.0);
-        let by_drive = &mut by_drive[by_drive_begun..];
+        let n = state.len();
+        let [transitions, drives] = [transition.len(), by_drive.len()];
+        transition.resize(transitions + n * n, 0.0);
+        by_drive.resize(drives + n, 0.0);
+        wide::run(Linearised {
+            joint: self.joint(k),
+            state,
+            inputs,
+            steps,
+            transition: &mut transition[transitions..],
+            by_drive: &mut by_drive[drives..],
+        });
+    }
+}
+
+/// One step of a joint and its derivatives.
+struct Linearised<'a, const N: usize> {
+    joint: &'a Woven<N>,
+    state: &'a mut [f64],
+    inputs: [f64; 2],
+    steps: &'a [f64],
+    transition: &'a mut [f64],
+    by_drive: &'a mut [f64],
+}
+
+impl<const N: usize> Work for Linearised<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { joint, state, inputs: [drive, load], steps, transition, by_drive } = self;
+        let n = state.len();
         let mut next = [0.0; MOST];
         let mut turned = None;
         // The first lane of all is moved nowhere; the others in one number each, the drive last.
         for first in (0..n + 2).step_by(LANES) {
-            let mut flat = [[0.0; LANES]; MOST];
+            let mut flat = [Lanes::ZERO; MOST];
             for (lanes, value) in flat.iter_mut().zip(&*state) {
-                *lanes = [*value; LANES];
+                *lanes = Lanes::all(*value);
             }
-            let mut driven = [drive; LANES];
-            let mut moved = [0.0; LANES];
+            let mut driven = Lanes::all(drive);
+            // What nobody asked for is divided by one.
+            let mut moved = Lanes::ONE;
             let columns = first.max(1)..(first + LANES).min(n + 2);
             for column in columns.clone() {
                 let (lane, number) = (column - first, column - 1);
-                let value = if number == n { &mut driven[lane] } else { &mut flat[number][lane] };
-                let here = *value;
-                *value += steps[number];
-                moved[lane] = *value - here;
+                let value = if number == n { &mut driven } else { &mut flat[number] };
+                let here = value.0[lane];
+                value.0[lane] += steps[number];
+                moved.0[lane] = value.0[lane] - here;
             }
             let flat = &mut flat[..n];
-            let mut states = joint.unpack(flat);
-            joint.step(&mut states, driven, load);
-            joint.pack(&states, flat);
+            let Angle { whole, part, lost } = joint.step(flat, driven, load);
             // Of an angle of many turns the last digits are too coarse to be differenced.
-            let Angle { whole, part, lost } = states.angle;
             let [whole_0, part_0, lost_0] =
                 *turned.get_or_insert([whole, part, lost].map(|of| Lanes::all(of.to_f64())));
             let angle = ((whole - whole_0) + (part - part_0) - (lost - lost_0)) * Lanes::all(TAU);
             if first == 0 {
                 for (next, lanes) in next.iter_mut().zip(&*flat) {
-                    *next = lanes[0];
+                    *next = lanes.to_f64();
                 }
+            }
+            for (i, lanes) in flat.iter_mut().enumerate() {
+                let change = if i == Layout::ANGLE { angle } else { *lanes - Lanes::all(next[i]) };
+                *lanes = change.over(moved);
             }
             for column in columns {
                 let (lane, number) = (column - first, column - 1);
-                for i in 0..n {
-                    let change = match i {
-                        Layout::ANGLE => angle.0[lane],
-                        _ => flat[i][lane] - next[i],
-                    };
-                    let slope = change / moved[lane];
-                    if number == n {
-                        by_drive[i] = slope;
-                    } else {
-                        transition[i * n + number] = slope;
-                    }
+                let (slopes, stride) = match number == n {
+                    true => (&mut by_drive[..], 1),
+                    false => (&mut transition[number..], n),
+                };
+                for (slope, lanes) in slopes.iter_mut().step_by(stride).zip(&*flat) {
+                    *slope = lanes.0[lane];
                 }
             }
         }

@@ -16,12 +16,14 @@ use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES};
 use joint_core::joint::{Joint, Mass, StageState, State};
 use joint_core::scalar::Scalar;
+use joint_core::work::Work;
 
 pub use linear::Linear;
 pub(crate) use linear::linear;
 pub use number::{LANES, Lanes};
 
 use crate::plant::Layout;
+use crate::wide;
 
 /// The constants of a plant's joints, one for each distinct interval, as they travel.
 pub type Constants = Vec<Vec<u8>>;
@@ -30,7 +32,7 @@ pub type Constants = Vec<Vec<u8>>;
 pub trait Abreast: Send + Sync {
     /// Advances their states over the interval after sample `k`, as [`crate::plant::Plant::propagate`]
     /// does each.
-    fn propagate(&self, k: usize, states: &mut [[f64; LANES]], drive: [f64; LANES], load: f64);
+    fn propagate(&self, k: usize, states: &mut [Lanes], drive: Lanes, load: f64);
 }
 
 /// The constants of joints, to be laid beside those of others.
@@ -104,58 +106,64 @@ impl<const N: usize> Woven<N> {
         Self { current, speed, angle, joint }
     }
 
-    fn unpack(&self, flat: &[[f64; LANES]]) -> State<Lanes, N> {
+    /// Fills in a state that is [`empty`].
+    #[inline(always)]
+    fn unpack(&self, flat: &[Lanes], state: &mut State<Lanes, N>) {
         let layout = Layout { stages: N, memories: 0 };
-        let mut state = empty();
-        let turns = flat[Layout::ANGLE].map(|angle| angle / TAU);
+        let turns = flat[Layout::ANGLE].over(Lanes::all(TAU));
         // Rounded half away from zero, without a call for every lane.
-        let whole = turns.map(|turns| {
+        let whole = Lanes(turns.0.map(|turns| {
             let whole = turns.trunc();
             whole + if (turns - whole).abs() >= 0.5 { 1.0_f64.copysign(turns) } else { 0.0 }
-        });
-        state.angle =
-            Angle { whole: Lanes(whole), part: Lanes(turns) - Lanes(whole), lost: Lanes::ZERO };
-        state.current = Lanes(flat[Layout::CURRENT]) * self.current[1];
+        }));
+        state.angle = Angle { whole, part: turns - whole, lost: Lanes::ZERO };
+        state.current = flat[Layout::CURRENT] * self.current[1];
         let masses = [&mut state.rotor].into_iter();
         let masses = masses.chain(state.stages.iter_mut().map(|stage| &mut stage.mass));
         for (k, mass) in masses.enumerate() {
-            mass.speed = Lanes(flat[layout.speed(k)]) * self.speed[1];
-            mass.bristle.zeta = Lanes(flat[layout.bristle(k)]);
+            mass.speed = flat[layout.speed(k)] * self.speed[1];
+            mass.bristle.zeta = flat[layout.bristle(k)];
         }
         for (k, stage) in state.stages.iter_mut().enumerate() {
-            stage.deflection = Lanes(flat[layout.deflection(k)]) * self.angle[1];
+            stage.deflection = flat[layout.deflection(k)] * self.angle[1];
         }
         for (memory, value) in state.memory.iter_mut().zip(flat.iter().skip(layout.len())) {
-            *memory = Lanes(*value);
+            *memory = *value;
         }
-        self.joint.refresh(&mut state);
-        state
     }
 
-    fn pack(&self, state: &State<Lanes, N>, flat: &mut [[f64; LANES]]) {
+    #[inline(always)]
+    fn pack(&self, state: &State<Lanes, N>, flat: &mut [Lanes]) {
         let layout = Layout { stages: N, memories: 0 };
         let Angle { whole, part, lost } = state.angle;
-        flat[Layout::CURRENT] = (state.current * self.current[0]).0;
-        flat[Layout::ANGLE] = ((whole + part - lost) * Lanes::all(TAU)).0;
+        flat[Layout::CURRENT] = state.current * self.current[0];
+        flat[Layout::ANGLE] = (whole + part - lost) * Lanes::all(TAU);
         let masses = [&state.rotor].into_iter().chain(state.stages.iter().map(|s| &s.mass));
         for (k, mass) in masses.enumerate() {
-            flat[layout.speed(k)] = (mass.speed * self.speed[0]).0;
-            flat[layout.bristle(k)] = mass.bristle.zeta.0;
+            flat[layout.speed(k)] = mass.speed * self.speed[0];
+            flat[layout.bristle(k)] = mass.bristle.zeta;
         }
         for (k, stage) in state.stages.iter().enumerate() {
-            flat[layout.deflection(k)] = (stage.deflection * self.angle[0]).0;
+            flat[layout.deflection(k)] = stage.deflection * self.angle[0];
         }
         for (value, memory) in flat.iter_mut().skip(layout.len()).zip(&state.memory) {
-            *value = memory.0;
+            *value = *memory;
         }
     }
 
-    fn step(&self, state: &mut State<Lanes, N>, drive: [f64; LANES], load: f64) {
-        let input = self.joint.input(Lanes(drive), Lanes::all(load));
-        self.joint.step(state, input);
+    /// Advances states, and answers with the rotor's angles to the last digit.
+    #[inline(always)]
+    fn step(&self, flat: &mut [Lanes], drive: Lanes, load: f64) -> Angle<Lanes> {
+        let mut state = empty();
+        self.unpack(flat, &mut state);
+        self.joint.refresh(&mut state);
+        self.joint.step(&mut state, self.joint.input(drive, Lanes::all(load)));
+        self.pack(&state, flat);
+        state.angle
     }
 }
 
+#[inline(always)]
 fn empty<const N: usize>() -> State<Lanes, N> {
     State {
         current: Lanes::ZERO,
@@ -167,10 +175,24 @@ fn empty<const N: usize>() -> State<Lanes, N> {
 }
 
 impl<const N: usize> Abreast for Built<N> {
-    fn propagate(&self, k: usize, flat: &mut [[f64; LANES]], drive: [f64; LANES], load: f64) {
-        let joint = self.joint(k);
-        let mut state = joint.unpack(flat);
-        joint.step(&mut state, drive, load);
-        joint.pack(&state, flat);
+    fn propagate(&self, k: usize, states: &mut [Lanes], drive: Lanes, load: f64) {
+        wide::run(Advance { joint: self.joint(k), states, drive, load });
+    }
+}
+
+/// One step of joints side by side.
+struct Advance<'a, const N: usize> {
+    joint: &'a Woven<N>,
+    states: &'a mut [Lanes],
+    drive: Lanes,
+    load: f64,
+}
+
+impl<const N: usize> Work for Advance<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.joint.step(self.states, self.drive, self.load);
     }
 }
