@@ -30,3 +30,4 @@ mod slopes;
 mod tape;
 pub mod timing;
 pub mod twin;
+mod whole_registers;
