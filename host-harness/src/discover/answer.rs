@@ -139,7 +139,14 @@ pub fn discover_without(
     // Noise that swallows what is missing would leave no equation to blame for it.
     let calm = believable(&noise, &found.expected);
     let judged = Fit { noise, ..after.clone() };
-    let floor = Remainder::of(&everywhere, &judged, &found.expected, &tested)?;
+    let floor = || Remainder::of(&everywhere, &judged, &found.expected, &tested);
+    let place = || {
+        let problem = Problem::new(record_before, &fitted);
+        locate(&problem, &found.before, &after.model, &calm, &orders, along_lines)
+    };
+    let next = || decisive(&found, &record, micro_steps);
+    let (floor, (disagreement, experiment)) = rayon::join(floor, || rayon::join(place, next));
+    let (floor, disagreement, experiment) = (floor?, disagreement?, experiment?);
     let gap = gap(&record, &innovations_before, &innovations_after, &floor, &tested);
     if gap.floor > 0.0 {
         remainder.unseen = gap.after / gap.floor;
@@ -153,20 +160,6 @@ pub fn discover_without(
         (false, true) => Answer::Effect,
         (_, false) => Answer::Unknown,
     };
-    let (disagreement, experiment) = rayon::join(
-        || {
-            locate(
-                &Problem::new(record_before, &fitted),
-                &found.before,
-                &after.model,
-                &calm,
-                &orders,
-                along_lines,
-            )
-        },
-        || decisive(&found, &record, micro_steps, answer),
-    );
-    let (disagreement, experiment) = (disagreement?, experiment?);
     bar.inc(1);
     let covariance = problem.covariance(after);
     let effects = named(&found, nominal.effects.len(), clean, &covariance);
@@ -237,9 +230,8 @@ fn decisive(
     found: &Search,
     record: &Record,
     micro_steps: u32,
-    answer: Answer,
 ) -> Result<Option<Experiment>, BuildError> {
-    if answer == Answer::Adequate || interrupt::asked() {
+    if interrupt::asked() {
         return Ok(None);
     }
     let Some(round) = found.rounds.last() else { return Ok(None) };
