@@ -175,7 +175,7 @@ impl Covariance {
             row.fill(Lanes::default());
             add_products(row, half.iter().flat_map(|lanes| lanes.0), &over.across);
         }
-        // Rounding keeps it symmetric.
+        // Rounding must keep it symmetric.
         for i in 0..order {
             for j in 0..i {
                 *self.own.at(j, i) = *self.own.at(i, j);

@@ -92,7 +92,8 @@ impl<'a> Observer<'a> {
         walks: &[Walk],
         keep: &mut impl Keep,
     ) {
-        Pass::new(self, along, noise, walks).over(0..self.record.len(), keep);
+        let mut pass = Pass::new(self, along, noise, walks);
+        pass.over(0..pass.samples(), keep);
     }
 
     /// Runs the record with frozen gains; only the innovations. The gains may be those of a model

@@ -220,7 +220,7 @@ impl<'a> Problem<'a> {
         let walks = self.walks();
         let order = observer.layout.len() + walks.len();
         let mut scoring = Scoring::over(self.mask, noise, sources, order);
-        scoring.follow(Pass::new(&observer, along, noise, &walks), self.record.len());
+        scoring.follow(Pass::new(&observer, along, noise, &walks));
         Ok(scoring.results())
     }
 

@@ -54,6 +54,11 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         }
     }
 
+    /// Samples on its way.
+    pub(super) fn samples(&self) -> usize {
+        self.observer.record.len()
+    }
+
     /// Runs over the next samples.
     pub(super) fn over(&mut self, samples: Range<usize>, keep: &mut impl Keep) {
         let observer = self.observer;

@@ -92,10 +92,10 @@ impl<'m> Scoring<'m> {
         }
     }
 
-    /// Follows a filter over that many samples: a second core takes the derivatives of one stretch while the
-    /// filter runs over the next.
-    pub(super) fn follow(&mut self, mut pass: Pass<'_, '_, '_>, samples: usize) {
-        let order = self.scratch.len();
+    /// Follows a filter along its way: a second core takes the derivatives of one stretch while the filter
+    /// runs over the next.
+    pub(super) fn follow(&mut self, mut pass: Pass<'_, '_, '_>) {
+        let (order, samples) = (self.scratch.len(), pass.samples());
         let [mut made, mut seen] = [Tape::default(), Tape::default()];
         for first in (0..samples).step_by(STRETCH) {
             let stretch = first..(first + STRETCH).min(samples);
@@ -203,6 +203,7 @@ mod tests {
         };
         let record = Record::join(&[log(5).unwrap(), log(6).unwrap()], None).unwrap();
         assert!(record.len() > 3 * STRETCH && record.starts.len() == 2);
+        assert!([record.starts[1], record.len()].iter().all(|end| end % STRETCH != 0));
         let mask = vec![1.0; record.len()];
         let noise = expected(&model, &record);
         let walks = standing_walks(&record);
@@ -215,7 +216,7 @@ mod tests {
         observer.run(&mut empty(), &noise, &walks, &mut whole);
         let mut followed = Scoring::over(&mask, &noise, &sources, order);
         let mut along = empty();
-        followed.follow(Pass::new(&observer, &mut along, &noise, &walks), record.len());
+        followed.follow(Pass::new(&observer, &mut along, &noise, &walks));
         assert_eq!(whole.results(), followed.results());
         assert!(along.covers(record.len(), observer.layout.len()));
     }
