@@ -44,7 +44,8 @@ pub(super) fn ask_finer(
     if gained < LEAST_GAIN && !calmer && !suspect {
         return Ok(None);
     }
-    let better = refit::polish(problem, origin, &better.model, moved, expected, &better.noise)?;
+    let better =
+        refit::polish(&problem.rough(), origin, &better.model, moved, expected, &better.noise)?;
     let mut other = found.clone();
     other.after = Stage { fit: better, origin: origin.clone() };
     let asked_for_names = gained < LEAST_GAIN && !calmer;

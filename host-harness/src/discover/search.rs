@@ -28,7 +28,7 @@ use super::order::ask_order;
 use super::protected::add_protected;
 use super::score_test::{Gain, ScoreTest};
 use super::settle::{fit_from_elsewhere, is_clean, may_be_stuck, settle};
-use super::ways::add_to_lost;
+use super::ways::{add_to_lost, is_futile};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
@@ -208,8 +208,10 @@ pub fn search(
     }
     if !search.rounds.is_empty() {
         bar.set_message("settling the springs");
-        let clean = is_clean(&last, &search)?;
-        settle(&last, &mut search, clean)?;
+        if !is_futile(&search) {
+            let clean = is_clean(&last, &search)?;
+            settle(&last, &mut search, clean)?;
+        }
         drop_needless(last, &mut search, true)?;
     }
     bar.inc(1);
@@ -237,9 +239,8 @@ pub(super) fn look(
         }
         drop_idle(last.rough(), search)?;
         let left = excess(search);
-        // Weak names that leave a model as lost as it was explain nothing; the first may lack company.
-        let weak = search.rounds.last().is_some_and(|round| round.gain < WEAK);
-        if search.rounds.len() > 1 && weak && left > LOST && left > HELPS * before {
+        // Names that leave a model as lost as it was explain nothing; the first may lack company.
+        if search.rounds.len() > 1 && left > LOST && left > HELPS * before {
             break;
         }
     }

@@ -13,6 +13,8 @@ use crate::plant::BuildError;
 
 /// Share of the noise that is left where growing trust has found what is missing most.
 const EXPLAINED: f64 = 0.1;
+/// Share of it that names leave which explain nothing: the first of two that are as large leaves less.
+const FUTILE: f64 = 0.75;
 
 /// How a name is looked for.
 #[derive(Clone, Copy, PartialEq)]
@@ -42,6 +44,9 @@ pub(super) fn add_to_lost(
         // Behind two gears short fits end in hollows.
         _ => [Annealed, Settled, Protected],
     };
+    // A push that showed no name before shows none beside names that explain nothing.
+    let ways = ways.iter().filter(|way| **way != Protected || !is_futile(search));
+    let ways: Vec<Way> = ways.copied().collect();
     let base = search.clone();
     let name = |search: &Search| search.rounds.last().map(|round| round.name);
     let mut found = false;
@@ -79,6 +84,12 @@ pub(super) fn add_to_lost(
     Ok(found)
 }
 
+/// Whether the names so far leave a lost model as lost as it was.
+pub(super) fn is_futile(search: &Search) -> bool {
+    let before = search.before.fit.noise.times(&search.expected);
+    !search.rounds.is_empty() && excess(search) > LOST.max(FUTILE * before)
+}
+
 /// Keeps what explains more of two ways; the name that the other one gave is its rival from then on.
 fn better_of(search: &mut Search, other: Search, before: usize, mask: &[f64]) {
     let mut beaten = other;
@@ -107,6 +118,33 @@ mod tests {
     use super::*;
     use crate::estimate::noise;
     use crate::estimate::record::Record;
+
+    #[test]
+    fn names_are_futile_that_leave_a_lost_model_as_lost() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let expected = noise::expected(&nominal, &record);
+        let before = trial::fitted(&Problem::new(&record, &mask).rough(), &nominal, &[]);
+        let mut search = Search::new(before, &[], expected);
+        let mut futile = |first: f64, left: f64| {
+            search.before.fit.noise = expected.distrusted(first);
+            search.after.fit.noise = expected.distrusted(left);
+            let named = is_futile(&search);
+            let mut other = search.clone();
+            other.rounds.push(Round {
+                name: (Kind::Cogging, Location::Motor),
+                gain: 400.0,
+                rivals: Vec::new(),
+                runner_up: None,
+                stays_ahead: 1.0,
+            });
+            [named, is_futile(&other)]
+        };
+        assert_eq!(futile(40.0, 36.0), [false, true]);
+        assert_eq!(futile(40.0, 20.0), [false, false]);
+        assert_eq!(futile(5.0, 4.8), [false, false]);
+    }
 
     #[test]
     fn a_way_that_lost_gives_its_winner_a_rival() {

@@ -38,6 +38,8 @@ pub const RUGGED: usize = 2;
 const ATTEMPTS: usize = 4;
 /// What another round must gain of minus twice the log-likelihood to be followed by one more.
 const WORTHWHILE: f64 = 10.0;
+/// Most of its noise that other springs may leave a doubted fit for more to be tried.
+const HELPED: f64 = 0.8;
 /// Times the expected noise from which on a fit tells nothing, but for want of better.
 pub const ADRIFT: f64 = 100.0;
 /// Times the expected noise from which on a fit is doubted: no right model needs more.
@@ -187,7 +189,7 @@ fn polished(
 }
 
 /// Refits on until nothing is gained any more: polishing again as long as that helps, and from
-/// other springs where the noise is still beyond belief.
+/// other springs where the noise is still beyond belief, as long as they leave less of it.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -210,10 +212,15 @@ pub fn converge(
             let from = if cost(&moved) < cost(&best) { &moved } else { &best };
             moved = resettle(problem, origin, &from.model, &best.coordinates)?;
         }
-        if cost(&best) - cost(&moved) <= WORTHWHILE {
+        let gained = cost(&best) - cost(&moved);
+        // Where other springs leave as much noise, the fit was in no wrong hollow.
+        let helped = moved.noise.times(expected) < HELPED * best.noise.times(expected);
+        if gained > 0.0 {
+            best = moved;
+        }
+        if gained <= WORTHWHILE || !helped {
             break;
         }
-        best = moved;
     }
     Ok(best)
 }
