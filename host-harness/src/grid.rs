@@ -53,6 +53,11 @@ impl Grid {
         Self { intervals, serves, per_interval: 1, micro_steps, method: None, typical }
     }
 
+    /// Of other sample times, with steps as here.
+    pub(crate) fn over(&self, time_s: &[f64]) -> Self {
+        Self { method: self.method, ..Self::new(time_s, self.micro_steps) }
+    }
+
     /// Micro-steps of an interval: more where a sample is missing, the same where a clock jitters.
     pub(crate) fn micro_steps(&self, interval: f64) -> Option<u32> {
         let asked = self.micro_steps?;

@@ -69,18 +69,19 @@ pub(super) fn add_annealed(
 ) -> Result<bool, BuildError> {
     let base = search.after.clone();
     let expected = search.expected;
+    let ahead = problem.ahead();
     let [Trust { noise: first, rounds, .. }, .., Trust { noise: last, .. }] = TRUST;
     let anew = Model { effects: base.fit.model.effects.clone(), ..base.origin.clone() };
     let from = |rounds: usize| {
         let (moved, noise) = (&base.fit.coordinates, expected.distrusted(first));
-        problem.fit(&base.origin, &anew, moved, &noise, rounds)
+        ahead.fit(&base.origin, &anew, moved, &noise, rounds)
     };
     // A refit bends to a gap or a knee even with little trust; the nominal may be far off.
     let (bent, nominal) = rayon::join(|| from(rounds), || from(0));
     let starts = [bent?, nominal?];
     let tests: Vec<ScoreTest<'_>> = starts
         .par_iter()
-        .filter_map(|start| ScoreTest::new(problem, &base.origin, start, TWINS))
+        .filter_map(|start| ScoreTest::new(ahead, &base.origin, start, TWINS))
         .collect();
     if tests.len() < starts.len() {
         return Ok(false);
@@ -89,7 +90,7 @@ pub(super) fn add_annealed(
         .par_iter()
         .zip(&starts)
         .map(|(test, start)| {
-            let scene = Scene::new(&start.model, problem.record, test);
+            let scene = Scene::new(&start.model, ahead.record, test);
             candidates::proposed(&scene, &search.withdrawn)
         })
         .collect();
@@ -107,7 +108,7 @@ pub(super) fn add_annealed(
             let noise = expected.distrusted(distrust);
             let passing = problem.passing();
             let fit = passing.fit_from(known, &origin, &entry.model, &moved, &noise, rounds)?;
-            let left = rms(&fit.innovations, problem.mask, None);
+            let left = rms(&fit.innovations, ahead.mask, None);
             Ok((cost(&fit), left, Entry { model: fit.model, ..entry }))
         });
         let mut fitted = run_through(fitted);

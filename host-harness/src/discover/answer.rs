@@ -29,6 +29,7 @@ use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel, JoinError, Record};
+use crate::estimate::scout::Scout;
 use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
@@ -141,7 +142,8 @@ pub fn discover_without(
     let judged = Fit { noise, ..after.clone() };
     let floor = || Remainder::of(&everywhere, &judged, &found.expected, &tested);
     let place = || {
-        let problem = Problem::new(record_before, &fitted);
+        let scout = Scout::of(record_before, &fitted, nominal);
+        let problem = Problem::new(record_before, &fitted).scouted(scout.as_ref());
         locate(&problem, &found.before, &after.model, &calm, &orders, along_lines)
     };
     let next = || decisive(&found, &record, micro_steps);

@@ -164,6 +164,7 @@ fn blank(record: &Record, interval: f64, drive_values: Vec<f64>, micro_steps: u3
         temperature_c: None,
         starts: vec![0],
         cuts: Vec::new(),
+        motions: Vec::new(),
         drive_values,
         time_s,
     }

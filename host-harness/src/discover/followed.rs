@@ -105,7 +105,7 @@ fn shapes(
     let mut shapes = DMatrix::zeros(states.len(), coordinates.len());
     let mut memory = vec![0.0; own - before];
     for (k, x) in states.iter().enumerate() {
-        if record.starts.contains(&k) {
+        if record.starts.contains(&k) && !record.cuts.contains(&k) {
             memory.fill(0.0);
         }
         let mut start = x[..before].to_vec();

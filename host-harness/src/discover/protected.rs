@@ -54,15 +54,16 @@ pub fn add_protected(
     let base = search.after.clone();
     let expected = search.expected;
     let wary = Noise { sensors: base.fit.noise.sensors, ..expected.distrusted(DISTRUST) };
-    let pushes = disagreeing(&problem, &base, &wary, true)?;
+    let ahead = problem.ahead();
+    let pushes = disagreeing(&ahead, &base, &wary, true)?;
     let Some((walk, protected)) = pushes.first().map(|(walk, fit)| (*walk, fit)) else {
         return Ok(false);
     };
-    let beside = problem.pushed(walk);
+    let beside = ahead.pushed(walk);
     let Some(test) = ScoreTest::new(beside, &base.origin, protected, 3) else {
         return Ok(false);
     };
-    let scene = Scene::new(&protected.model, problem.record, &test);
+    let scene = Scene::new(&protected.model, ahead.record, &test);
     let hypotheses: Vec<Hypothesis> = candidates::proposed(&scene, &search.withdrawn);
     let mut ranked = test.ranked(&hypotheses);
     let least = threshold(ranked.iter().map(|(_, gain)| gain)).max(LEAST_GAIN);
@@ -87,7 +88,7 @@ pub fn add_protected(
         Ok((name, score, Stage { fit, origin }))
     };
     for Followed { hypothesis, start, beside, .. } in
-        followed(&problem, &pushes, &wary, &hypotheses)?.into_iter().take(FOLLOWED)
+        followed(&ahead, &pushes, &wary, &hypotheses)?.into_iter().take(FOLLOWED)
     {
         let name = hypothesis.name();
         if fitted.iter().any(|(known, ..)| *known == name) {

@@ -12,6 +12,7 @@ use super::search::{Search, WEAK, search};
 use crate::estimate::fit::Problem;
 use crate::estimate::record::Record;
 use crate::estimate::refit::{cost, refit};
+use crate::estimate::scout::Scout;
 use crate::estimate::timing::timed;
 use crate::interrupt;
 use crate::model::Model;
@@ -31,16 +32,24 @@ pub(super) fn search_timed(
     bar: &ProgressBar,
 ) -> Result<(Record, Search), BuildError> {
     bar.set_message("refitting the nominal");
-    let refitted = |record: &Record| refit(&Problem::new(record, fitted), nominal);
+    let refitted = |record: &Record| {
+        let scout = Scout::of(record, fitted, nominal);
+        refit(&Problem::new(record, fitted).scouted(scout.as_ref()), nominal)
+    };
     let (record, fit) = timed(record, refitted)?;
-    let found = search(Problem::new(&record, fitted), nominal, fit, withdrawn, bar)?;
+    let searched = |record: &Record, fit| {
+        let scout = Scout::of(record, fitted, nominal);
+        let problem = Problem::new(record, fitted).scouted(scout.as_ref());
+        search(problem, nominal, fit, withdrawn, bar)
+    };
+    let found = searched(&record, fit)?;
     let asked = record.drive == Drive::Voltage || record.lead_s > 0.0;
     if asked || delays(&found) < 2 || interrupt::asked() {
         return Ok((record, found));
     }
     let centred = record.centred();
     let fit = refitted(&centred)?;
-    let again = search(Problem::new(&centred, fitted), nominal, fit, withdrawn, bar)?;
+    let again = searched(&centred, fit)?;
     Ok(match weight(&again) < weight(&found) && !interrupt::asked() {
         true => (centred, again),
         false => (record, found),

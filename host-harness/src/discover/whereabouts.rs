@@ -56,7 +56,9 @@ pub fn locate(
     along_lines: bool,
 ) -> Result<Disagreement, BuildError> {
     let bent = before.fit.noise.times(noise) > 1.0;
-    let Some((walk, before)) = disagreeing(problem, before, noise, bent)?.into_iter().next() else {
+    let Some((walk, before)) =
+        disagreeing(&problem.ahead(), before, noise, bent)?.into_iter().next()
+    else {
         return Ok(Disagreement::default());
     };
     let before = &before.model;

@@ -108,7 +108,8 @@ impl Work for Together<'_, '_> {
             }
             if first.record.starts.contains(&k) {
                 for lane in 0..LANES {
-                    let start = of_lane(lane).start(k, order);
+                    let before = |state: usize| Some(x[state].0[lane]);
+                    let start = of_lane(lane).start(k, order, before);
                     x.iter_mut().zip(start).for_each(|(x, value)| x.0[lane] = value);
                 }
             }

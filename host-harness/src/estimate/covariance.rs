@@ -154,6 +154,11 @@ impl Covariance {
         self.own.lanes.fill(Lanes::default());
     }
 
+    /// The variance of one state.
+    pub(super) fn variance(&mut self, state: usize) -> f64 {
+        *self.own.at(state, state)
+    }
+
     /// Adds to the variance of one state.
     pub(super) fn add_variance(&mut self, state: usize, variance: f64) {
         *self.own.at(state, state) += variance;

@@ -16,7 +16,7 @@ pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Wal
 use crate::estimate::keep::{Keep, Whole};
 use crate::estimate::late::Late;
 use crate::estimate::pass::Pass;
-use crate::estimate::record::{CHANNELS, Channel, Record, caught};
+use crate::estimate::record::{CHANNELS, Channel, Motion, Record, caught};
 use crate::estimate::scales::{Known, Scales};
 use crate::estimate::slopes::is_of_a_sensor;
 use crate::model::Model;
@@ -24,6 +24,8 @@ use crate::plant::{Layout, Plant, inertias, output_shaft};
 
 /// How much less is known of a joint in motion than at rest.
 const UNKNOWN: f64 = 10.0;
+/// One sigma there of what an effect remembers, which is about one where it has lasted.
+const REMEMBERED: f64 = 0.5;
 /// Samples from which the speed of a joint in motion is taken, at most.
 const AHEAD: usize = 65;
 
@@ -109,7 +111,7 @@ impl<'a> Observer<'a> {
                 continue;
             }
             if self.record.starts.contains(&k) {
-                x = self.start(k, own + gains.walks.len());
+                x = self.start(k, own + gains.walks.len(), |state| x.get(state).copied());
             }
             for channel in Channel::ALL {
                 let c = channel as usize;
@@ -137,23 +139,43 @@ impl<'a> Observer<'a> {
         innovations
     }
 
-    /// The joint where a log begins: at rest, or in the motion that its encoder shows.
-    pub(super) fn start(&self, k: usize, order: usize) -> Vec<f64> {
+    /// The joint where a log begins: at rest, or in the motion that its encoder or somebody's filter shows; in
+    /// motion its effects remember what they did `before`.
+    pub(super) fn start(
+        &self,
+        k: usize,
+        order: usize,
+        before: impl Fn(usize) -> Option<f64>,
+    ) -> Vec<f64> {
         let mut x = vec![0.0; order];
-        let angle = self.late.measured[k][Channel::Motor as usize];
-        let speed = self.speed_at(k);
-        if angle.is_finite() {
-            // Where the encoder shows this angle, not where it would stand without its errors.
-            let mut there = angle;
-            for _ in 0..2 {
-                there = angle - self.plant.encoder_error(false, there, speed);
+        let motion = self.record.motions.iter().find(|motion| motion.sample == k);
+        let speed =
+            motion.map_or_else(|| self.speed_at(k), |motion| motion.state[self.layout.speed(0)]);
+        if let Some(Motion { state, constants, goes_on, .. }) = motion {
+            x[..state.len()].copy_from_slice(state);
+            for (place, constant) in (self.layout.len()..order).zip(constants) {
+                x[place] = before(place).filter(|_| *goes_on).unwrap_or(*constant);
             }
-            x[Layout::ANGLE] = there;
-        }
-        if speed != 0.0 {
+        } else if speed != 0.0 {
             for mass in 0..=self.layout.stages {
                 x[self.layout.speed(mass)] = speed;
                 x[self.layout.bristle(mass)] = 0.9 * speed.signum();
+            }
+        }
+        let angle = self.late.measured[k][Channel::Motor as usize];
+        if angle.is_finite() {
+            // Where the encoder shows this angle, not where it would stand without its errors.
+            let shown = angle - self.late.by[Channel::Motor as usize] * speed;
+            let mut there = shown;
+            for _ in 0..2 {
+                there = shown - self.plant.encoder_error(false, there, speed);
+            }
+            x[Layout::ANGLE] = there;
+        }
+        if self.record.cuts.contains(&k) {
+            for slot in 0..self.layout.memories {
+                let memory = self.layout.memory(slot);
+                x[memory] = before(memory).filter(|value| value.is_finite()).unwrap_or(0.0);
             }
         }
         x
@@ -174,16 +196,32 @@ impl<'a> Observer<'a> {
         if speed.is_finite() { speed } else { 0.0 }
     }
 
-    pub(super) fn start_covariance(&self, k: usize, scales: &Scales, walks: &[Walk]) -> Covariance {
+    /// How well that is known; `before` is how well it was.
+    pub(super) fn start_covariance(
+        &self,
+        k: usize,
+        scales: &Scales,
+        walks: &[Walk],
+        before: &mut Covariance,
+    ) -> Covariance {
         let n = self.layout.len();
         // Nothing but the encoder is known of a joint in motion.
         let cut = self.record.cuts.contains(&k);
+        let remembered = self.layout.memory(0)..n;
         let sigma = |state: usize| match scales.start_sigma.get(state) {
+            Some(_) if cut && remembered.contains(&state) => REMEMBERED,
             Some(sigma) if cut && state != Layout::ANGLE => UNKNOWN * sigma,
             Some(sigma) => *sigma,
             None => walks[state - n].initial,
         };
-        Covariance::independent((0..n + walks.len()).map(sigma))
+        let motion = self.record.motions.iter().find(|motion| motion.sample == k);
+        let going_on = n + motion.filter(|motion| motion.goes_on).map_or(0, |m| m.constants.len());
+        let sigma = |state: usize| match (n..going_on).contains(&state) {
+            true => before.variance(state).sqrt(),
+            false => sigma(state),
+        };
+        let sigmas: Vec<f64> = (0..n + walks.len()).map(sigma).collect();
+        Covariance::independent(sigmas.into_iter())
     }
 
     /// What a sensor shows of a state.

@@ -15,6 +15,7 @@ use super::keep::Likelihood;
 use super::pass::Pass;
 use super::record::{CHANNELS, Channel, Record};
 use super::scoring::{Scoring, Source};
+use super::scout::Scout;
 use crate::model::Model;
 use crate::plant::{BuildError, Plant, plant};
 
@@ -92,6 +93,8 @@ pub struct Problem<'a> {
     pub long_sighted: bool,
     /// Whether a fit is only on the way to another: it may end with gains of a model near its own.
     pub passing: bool,
+    /// What fits on the way look at instead.
+    pub scout: Option<&'a Scout>,
 }
 
 /// The random constants that every filter carries: an encoder zeroed at the start of a log knows
@@ -115,6 +118,7 @@ impl<'a> Problem<'a> {
             worth: WORTH,
             long_sighted: false,
             passing: false,
+            scout: None,
         }
     }
 
@@ -138,9 +142,22 @@ impl<'a> Problem<'a> {
         Self { long_sighted, ..self }
     }
 
+    /// The same with a part that fits look at on the way to others.
+    pub fn scouted(self, scout: Option<&'a Scout>) -> Self {
+        Self { scout, ..self }
+    }
+
+    /// The same over that part alone, if there is one.
+    pub fn ahead(self) -> Self {
+        match self.scout {
+            Some(Scout { record, mask }) => Self { record, mask, scout: None, ..self },
+            None => self,
+        }
+    }
+
     /// The same for fits that are on the way to others.
     pub fn passing(self) -> Self {
-        Self { passing: true, ..self }
+        Self { passing: true, ..self.ahead() }
     }
 
     /// The same with a push on one equation.

@@ -25,6 +25,7 @@ pub mod record;
 pub mod refit;
 mod scales;
 mod scoring;
+pub mod scout;
 pub mod slope;
 mod slopes;
 mod tape;

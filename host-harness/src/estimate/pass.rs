@@ -72,8 +72,8 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
                 continue;
             }
             if observer.record.starts.contains(&k) {
-                self.x = observer.start(k, order);
-                self.p = observer.start_covariance(k, &self.scales, self.walks);
+                self.x = observer.start(k, order, |state| self.x.get(state).copied());
+                self.p = observer.start_covariance(k, &self.scales, self.walks, &mut self.p);
                 keep.began();
             }
             for channel in Channel::ALL {

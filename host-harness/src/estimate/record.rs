@@ -1,6 +1,7 @@
 //! A log as the estimator sees it: inputs, measurements, and the grid of its intervals.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use joint_core::joint::Drive;
 
@@ -62,6 +63,21 @@ pub struct Record {
     pub starts: Vec<usize>,
     /// Those of them before which something was cut out: the joint may be in motion there.
     pub cuts: Vec<usize>,
+    /// How the joint moves there, as far as somebody has followed it.
+    pub motions: Vec<Motion>,
+}
+
+/// How a joint moves at a sample, as a filter had it.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Which sample.
+    pub sample: usize,
+    /// The joint's state, without what effects remember.
+    pub state: Vec<f64>,
+    /// What the filter's constants beside it were.
+    pub constants: Vec<f64>,
+    /// Whether the stretch before is of the same log: its constants are, and are known by then.
+    pub goes_on: bool,
 }
 
 /// Samples over which a speed is taken where a joint may be in motion.
@@ -156,6 +172,7 @@ impl Record {
             grid,
             starts,
             cuts,
+            motions: Vec::new(),
         }
     }
 
@@ -168,33 +185,41 @@ impl Record {
         }
         let length = most / STRETCHES;
         let first = |number: usize| number * (samples - length) / (STRETCHES - 1);
-        let kept: Vec<usize> =
-            (0..STRETCHES).flat_map(|number| first(number)..first(number) + length).collect();
-        let mut starts: Vec<usize> = (0..STRETCHES).map(|number| number * length).collect();
-        let mut cuts = starts[1..].to_vec();
-        for (place, sample) in kept.iter().enumerate() {
-            if self.starts.contains(sample) && !starts.contains(&place) {
+        let kept: Vec<_> =
+            (0..STRETCHES).map(|number| first(number)..first(number) + length).collect();
+        self.stretches(&kept)
+    }
+
+    /// Some stretches of it, one after the other: the joint is in motion where one begins, unless a log
+    /// does.
+    pub(super) fn stretches(&self, kept: &[Range<usize>]) -> Self {
+        let (mut starts, mut cuts) = (Vec::new(), Vec::new());
+        let samples = || kept.iter().cloned().flatten();
+        let begins = |sample: &usize| kept.iter().any(|stretch| stretch.start == *sample);
+        for (place, sample) in samples().enumerate() {
+            let logged = self.starts.contains(&sample);
+            if logged || begins(&sample) {
                 starts.push(place);
             }
-            if self.cuts.contains(sample) && !cuts.contains(&place) {
+            if self.cuts.contains(&sample) || begins(&sample) && !logged {
                 cuts.push(place);
             }
         }
-        starts.sort_unstable();
-        let of = |values: &[f64]| kept.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+        let of = |values: &[f64]| samples().map(|k| values[k]).collect::<Vec<f64>>();
         let time_s = of(&self.time_s);
         Self {
-            grid: Grid::new(&time_s, None),
+            grid: self.grid.over(&time_s),
             time_s,
             drive: self.drive,
             drive_values: of(&self.drive_values),
             lead_s: self.lead_s,
             load_nm: of(&self.load_nm),
-            measured: kept.iter().map(|k| self.measured[*k]).collect(),
+            measured: samples().map(|k| self.measured[k]).collect(),
             bus_v: self.bus_v.as_deref().map(of),
             temperature_c: self.temperature_c.as_deref().map(of),
             starts,
             cuts,
+            motions: Vec::new(),
         }
     }
 
@@ -404,5 +429,14 @@ mod tests {
         assert_eq!(record.drive_values[1_000], 3_000.0);
         let short = Record::new(&self::log(500), None);
         assert_eq!(short.clone().thinned(500).time_s, short.time_s);
+    }
+
+    #[test]
+    fn a_stretch_that_begins_with_a_log_begins_as_that_does() {
+        let logs = [log(300), log(300)];
+        let record = Record::join(&logs, None).unwrap().stretches(&[100..200, 300..400, 450..500]);
+        assert_eq!(record.len(), 250);
+        assert_eq!((record.starts, record.cuts), (vec![0, 100, 200], vec![0, 200]));
+        assert_eq!(record.drive_values[100], 0.0);
     }
 }

@@ -43,7 +43,7 @@ pub fn twin(
     let count = Channel::ALL.map(|channel| 12.0_f64.sqrt() * noise.sensors[channel as usize]);
     for k in 0..record.len() {
         if record.starts.contains(&k) {
-            state = observer.start(k, layout.len());
+            state = observer.start(k, layout.len(), |number| state.get(number).copied());
         }
         for channel in Channel::ALL {
             let c = channel as usize;
