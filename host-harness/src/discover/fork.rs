@@ -6,9 +6,9 @@
 use indicatif::ProgressBar;
 
 use super::bootstrap::stays_ahead;
-use super::search::{Contender, DOUBTED, LEAST_GAIN, Round, Search, Stage, excess, look};
+use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, excess, look};
 use crate::estimate::fit::Problem;
-use crate::estimate::refit::cost;
+use crate::estimate::refit::{DOUBTED, cost};
 use crate::interrupt;
 use crate::plant::BuildError;
 

@@ -18,10 +18,13 @@ use crate::plant::BuildError;
 
 /// Share of all that was explained which an effect is not suspected of owing to its company.
 const MOST: f64 = 0.5;
+/// Share of what an effect explained when it was added that its loss has to cost for it to be needed beyond
+/// doubt: what has moved since may have taken the rest.
+const STILL: f64 = 0.1;
 
 /// Drops effects, the first added first, that the others have made needless, and those that a channel
 /// contradicts at the size that they have got by now; of the first only `weak` ones if that is all that is
-/// asked.
+/// asked, and those whose loss costs far less than they once explained.
 pub(super) fn drop_needless(
     problem: Problem<'_>,
     search: &mut Search,
@@ -36,8 +39,9 @@ pub(super) fn drop_needless(
             contradiction(&last, problem.record)
         };
         let enough = search.weak_gain(search.rounds[k].name.1);
-        let sure = (search.rounds.len() == 1 || weak) && search.rounds[k].gain >= enough;
-        if against.is_none() && sure {
+        let gain = search.rounds[k].gain;
+        let sure = against.is_none() && (search.rounds.len() == 1 || weak) && gain >= enough;
+        if sure && loss(&problem, &search.after.fit, search.place(k))? >= STILL * gain {
             k += 1;
             continue;
         }
@@ -76,7 +80,7 @@ pub(super) fn drop_idle(problem: Problem<'_>, search: &mut Search) -> Result<(),
     while k < search.rounds.len() {
         let (fit, place) = (&search.after.fit, search.place(k));
         let believed = possible(&fit.model.effects[place], &fit.model, problem.record);
-        if believed && (search.rounds.len() == 1 || works(&problem, fit, place)?) {
+        if believed && (search.rounds.len() == 1 || loss(&problem, fit, place)? >= LEAST_GAIN) {
             k += 1;
             continue;
         }
@@ -86,12 +90,13 @@ pub(super) fn drop_idle(problem: Problem<'_>, search: &mut Search) -> Result<(),
     Ok(())
 }
 
-/// Whether a fit is the worse for the loss of an effect if all else stays.
-fn works(problem: &Problem<'_>, fit: &Fit, place: usize) -> Result<bool, BuildError> {
+/// What a fit is the worse by for the loss of an effect if all else stays; without bound where the rest is
+/// beyond all numbers.
+fn loss(problem: &Problem<'_>, fit: &Fit, place: usize) -> Result<f64, BuildError> {
     let along = Cow::Owned(Linearisation::default());
     let alone = without(&fit.model, place);
     let left = problem.deviance_along(&along, &alone, &fit.noise)?;
-    Ok(left.is_nan() || left - fit.deviance >= LEAST_GAIN)
+    Ok(if left.is_nan() { f64::INFINITY } else { left - fit.deviance })
 }
 
 /// What is left without the effect of round `k`, refitted from where its company stands.
@@ -135,4 +140,48 @@ pub(super) fn without(model: &Model, place: usize) -> Model {
         }
     }
     left
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::params::Location;
+
+    use super::super::candidates::cogging;
+    use super::super::search::Round;
+    use super::super::trial;
+    use super::*;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    /// Whether a line of order 12, said to have explained this much, is kept where the log holds a line of
+    /// that order times `hidden`.
+    fn kept(gain: f64, hidden: f64) -> bool {
+        let nominal = trial::motor();
+        let amplitude = 0.02 * hidden;
+        let line = trial::line(12.0).with("amplitude_nm", amplitude);
+        let record = Record::new(&trial::log(&nominal, line, 4.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let before = trial::fitted(&problem, &nominal, &[]);
+        let after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
+        let mut search = Search::new(before, &[], expected);
+        search.rounds.push(Round {
+            name: (Kind::Cogging, Location::Motor),
+            gain,
+            rivals: Vec::new(),
+            runner_up: None,
+            stays_ahead: 1.0,
+        });
+        search.after = after;
+        drop_needless(problem, &mut search, true).unwrap();
+        search.after.fit.model.effects.len() == 1
+    }
+
+    #[test]
+    fn what_once_explained_much_goes_where_its_loss_costs_nothing_any_more() {
+        assert!(kept(1e5, 1.0), "a line that is there");
+        assert!(!kept(1e5, 0.0), "a line that is not");
+        assert!(kept(1e12, 1.0), "a line that is there, though it was said to explain more");
+    }
 }

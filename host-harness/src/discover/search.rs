@@ -33,7 +33,7 @@ use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::noise;
-use crate::estimate::refit::{self, cost};
+use crate::estimate::refit::{self, DOUBTED, cost};
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
@@ -50,8 +50,6 @@ pub const WEAK: f64 = 5.0 * LEAST_GAIN;
 /// Times the expected noise from which on a refitted nominal is lost: no linear step from there
 /// can be believed.
 pub const LOST: f64 = 10.0;
-/// Times the expected noise from which on something is missing even if no score says what.
-pub(super) const DOUBTED: f64 = 3.0;
 /// Times the expected noise below which nothing is left to explain.
 pub const CALM: f64 = 1.5;
 /// Most of the noise that a name may leave of a lost base to be followed by another.
@@ -182,15 +180,10 @@ pub fn search(
     let before = Stage { fit, origin: nominal.clone() };
     // Contenders are told apart by tens; the model that is left in the end is polished.
     let last = problem;
-    let problem = problem.rough();
     let mut search = Search::new(before, withdrawn, expected);
     look(last, &mut search, bar)?;
     if search.rounds.is_empty() && may_be_stuck(&last, &search)? {
-        bar.set_message("refitting from elsewhere");
-        if fit_from_elsewhere(&last, &mut search)? > LEAST_GAIN {
-            search.hope = None;
-            look(last, &mut search, bar)?;
-        }
+        look_from_elsewhere(last, &mut search, bar)?;
     }
     if search.rounds.is_empty() && excess(&search) > LOST {
         try_hope(last, &mut search, bar)?;
@@ -199,23 +192,52 @@ pub fn search(
     if interrupt::asked() {
         return Ok(search);
     }
-    bar.set_message("trying to do without");
-    let found = search.rounds.len();
-    drop_needless(problem, &mut search, false)?;
-    if (1..found).contains(&search.rounds.len()) && excess(&search) > DOUBTED {
-        look(last, &mut search, bar)?;
-        drop_needless(problem, &mut search, false)?;
-    }
     if !search.rounds.is_empty() {
-        bar.set_message("settling the springs");
-        if !is_futile(&search) {
-            let clean = is_clean(&last, &search)?;
-            settle(&last, &mut search, clean)?;
+        prove(last, &mut search, bar)?;
+        if search.rounds.is_empty() {
+            // All was owed to a fit of the nominal that was stuck.
+            search.before = search.after.clone();
+            look_from_elsewhere(last, &mut search, bar)?;
+            prove(last, &mut search, bar)?;
         }
-        drop_needless(last, &mut search, true)?;
     }
     bar.inc(1);
     Ok(search)
+}
+
+/// Lets every effect that was found prove that it is needed, now and when the springs are settled.
+fn prove(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+    let problem = last.rough();
+    bar.set_message("trying to do without");
+    let found = search.rounds.len();
+    drop_needless(problem, search, false)?;
+    if (1..found).contains(&search.rounds.len()) && excess(search) > DOUBTED {
+        look(last, search, bar)?;
+        drop_needless(problem, search, false)?;
+    }
+    if search.rounds.is_empty() {
+        return Ok(());
+    }
+    bar.set_message("settling the springs");
+    if !is_futile(search) {
+        let clean = is_clean(&last, search)?;
+        settle(&last, search, clean)?;
+    }
+    drop_needless(last, search, true)
+}
+
+/// Looks again from a nominal fitted from elsewhere, where that one is likelier.
+fn look_from_elsewhere(
+    last: Problem<'_>,
+    search: &mut Search,
+    bar: &ProgressBar,
+) -> Result<(), BuildError> {
+    bar.set_message("refitting from elsewhere");
+    if fit_from_elsewhere(&last, search)? > LEAST_GAIN {
+        search.hope = None;
+        look(last, search, bar)?;
+    }
+    Ok(())
 }
 
 /// Adds effects until no more is found.

@@ -4,7 +4,7 @@
 //! it is missing no more. Both leave something: noise that no right model needs, or a rest that is none.
 
 use super::gate::Remainder;
-use super::search::{Search, Stage, calm};
+use super::search::{LOST, Search, Stage, calm, excess};
 use crate::estimate::fit::Problem;
 use crate::estimate::refit::{self, cost};
 use crate::plant::BuildError;
@@ -31,8 +31,10 @@ pub(super) fn settle(
         refit::polish_on(problem, origin, fit.clone(), expected)?
     } else if quiet {
         refit::cooled(problem, origin, fit, expected)?
-    } else {
+    } else if excess(search) > LOST {
         refit::resettle(problem, origin, model, moved)?
+    } else {
+        fit.clone()
     };
     let mut best = if cost(&settled) < cost(fit) { settled } else { fit.clone() };
     if !clean && !calm(&best.noise, expected) {

@@ -44,6 +44,8 @@ const HELPED: f64 = 0.8;
 pub const ADRIFT: f64 = 100.0;
 /// Times the expected noise from which on a fit is doubted: no right model needs more.
 pub const DOUBTFUL: f64 = 2.2;
+/// The same of a model with effects, whose laws may be slightly other than the joint's.
+pub const DOUBTED: f64 = 3.0;
 
 /// Refits every parameter of a model to a record; `origin` centres the priors.
 ///
@@ -199,16 +201,18 @@ pub fn converge(
     start: Fit,
     expected: &Noise,
 ) -> Result<Fit, BuildError> {
+    let most = if start.model.effects.is_empty() { DOUBTFUL } else { DOUBTED };
+    let doubtful = |fit: &Fit| fit.noise.times(expected) > most;
     let mut best = start;
     for attempt in 0..ATTEMPTS {
         if polished(problem, origin, &mut best, expected)? > WORTHWHILE {
             continue;
         }
-        if attempt + 1 == ATTEMPTS || !doubtful(&best.noise, expected) {
+        if attempt + 1 == ATTEMPTS || !doubtful(&best) {
             break;
         }
         let mut moved = cooled(problem, origin, &best, expected)?;
-        if doubtful(&moved.noise, expected) && !origin.stages.is_empty() {
+        if doubtful(&moved) && !origin.stages.is_empty() {
             let from = if cost(&moved) < cost(&best) { &moved } else { &best };
             moved = resettle(problem, origin, &from.model, &best.coordinates)?;
         }
