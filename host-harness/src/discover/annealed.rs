@@ -16,6 +16,7 @@ use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::protected::{conclude, gained};
 use super::score_test::ScoreTest;
 use super::search::{Contender, FAR_BEHIND, LEAST_GAIN, Search, Stage, WEAK, title};
+use super::ways::is_hopeless;
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::refit::{self, DOUBTFUL, cost};
@@ -41,6 +42,8 @@ const TRUST: [Trust; 3] = [
 ];
 /// Most that errors are of the noise of a trust where they are nothing else, as RMS.
 const NOISE: f64 = 1.05;
+/// Most that they are in the end where a name beside others explains what is left.
+const COMPANY: f64 = 1.3;
 /// Share of the best score from which on a name is fitted.
 const SHARE: f64 = 0.003;
 /// Share of the best gain from which on a name is refitted until it gains nothing more.
@@ -98,7 +101,7 @@ pub(super) fn add_annealed(
     let mut scored: Vec<_> = field.iter().map(|e| (e.hypothesis.name(), e.score)).collect();
     scored.sort_by(|a, b| b.1.total_cmp(&a.1));
     let scored = first_of_each(scored, |(name, _)| *name);
-    let mut near = 0;
+    let (mut near, mut least_left) = (0, f64::INFINITY);
     for Trust { noise: distrust, names, rounds, behind } in TRUST {
         field.truncate(names);
         let fitted = field.into_par_iter().map(|entry| {
@@ -120,8 +123,13 @@ pub(super) fn add_annealed(
             let most = best + behind;
             fitted.retain(|(cost, ..)| *cost < most);
         }
+        least_left = fitted.iter().map(|(_, left, _)| *left).fold(f64::INFINITY, f64::min);
         near = in_reach(&fitted.iter().map(|(cost, ..)| *cost).collect::<Vec<_>>());
         field = fitted.into_iter().map(|(.., entry)| entry).collect();
+    }
+    // Beside names that explain nothing one has to explain what is left.
+    if least_left > COMPANY && is_hopeless(search) {
+        return Ok(false);
     }
     let noise = expected.distrusted(last);
     let polished = |Entry { hypothesis, score, model, .. }: Entry<'_>| {

@@ -66,6 +66,7 @@ pub(super) fn add_to_lost(
             *search = other;
             return Ok(false);
         }
+        let hopeless = !added && way == Annealed && is_hopeless(&base);
         let agreed = found && added && name(&other) == name(search);
         if found && added {
             better_of(search, other, base.rounds.len(), problem.mask);
@@ -77,7 +78,7 @@ pub(super) fn add_to_lost(
             Annealed => LOST.max(EXPLAINED * excess(&base)),
             Settled | Protected => PLAIN_TORQUE_EXCESS,
         };
-        if interrupt::asked() || agreed || found && excess(search) < enough {
+        if interrupt::asked() || agreed || hopeless || found && excess(search) < enough {
             break;
         }
     }
@@ -88,6 +89,12 @@ pub(super) fn add_to_lost(
 pub(super) fn is_futile(search: &Search) -> bool {
     let before = search.before.fit.noise.times(&search.expected);
     !search.rounds.is_empty() && excess(search) > LOST.max(FUTILE * before)
+}
+
+/// Whether they do so of a nominal that may still be believed to be near: what growing trust then finds none
+/// beside is hidden to the other ways as well.
+pub(super) fn is_hopeless(search: &Search) -> bool {
+    is_futile(search) && search.before.fit.noise.times(&search.expected) <= ADRIFT
 }
 
 /// Keeps what explains more of two ways; the name that the other one gave is its rival from then on.
@@ -127,23 +134,31 @@ mod tests {
         let expected = noise::expected(&nominal, &record);
         let before = trial::fitted(&Problem::new(&record, &mask).rough(), &nominal, &[]);
         let mut search = Search::new(before, &[], expected);
+        let round = || Round {
+            name: (Kind::Cogging, Location::Motor),
+            gain: 400.0,
+            rivals: Vec::new(),
+            runner_up: None,
+            stays_ahead: 1.0,
+        };
         let mut futile = |first: f64, left: f64| {
             search.before.fit.noise = expected.distrusted(first);
             search.after.fit.noise = expected.distrusted(left);
             let named = is_futile(&search);
             let mut other = search.clone();
-            other.rounds.push(Round {
-                name: (Kind::Cogging, Location::Motor),
-                gain: 400.0,
-                rivals: Vec::new(),
-                runner_up: None,
-                stays_ahead: 1.0,
-            });
+            other.rounds.push(round());
             [named, is_futile(&other)]
         };
         assert_eq!(futile(40.0, 36.0), [false, true]);
         assert_eq!(futile(40.0, 20.0), [false, false]);
         assert_eq!(futile(5.0, 4.8), [false, false]);
+        search.rounds.push(round());
+        let hopeless = |first: f64| {
+            search.before.fit.noise = expected.distrusted(first);
+            search.after.fit.noise = expected.distrusted(0.9 * first);
+            is_hopeless(&search)
+        };
+        assert_eq!([ADRIFT / 2.0, 2.0 * ADRIFT].map(hopeless), [true, false]);
     }
 
     #[test]
