@@ -17,7 +17,7 @@ use super::confidence::{SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
-use super::finer::{ask_finer, run_everywhere};
+use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
@@ -41,8 +41,9 @@ pub const STEPS: u64 = 8;
 /// Blocks of a log, and those that are held out.
 const BLOCKS: usize = 10;
 const HELD_OUT: [usize; 3] = [3, 6, 9];
-/// How many times finer the step is made where it may be what is missing.
-const FINER: u32 = 4;
+/// How many times finer the step is made to say more closely what is missing, and where it may be what is.
+const FINER: u32 = 2;
+const FINEST: u32 = 4;
 /// Samples that are looked at; longer logs are thinned to stretches.
 const MOST_SAMPLES: usize = 60_000;
 
@@ -106,7 +107,8 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
-    let finer = record.refined(micro_steps * FINER);
+    let sound = remainder.complaints(false).is_empty() && !is_suspect(&found);
+    let finer = record.refined(micro_steps * if sound { FINER } else { FINEST });
     if !found.rounds.is_empty()
         && !interrupt::asked()
         && let Some(left) = ask_finer(&Problem::new(&finer, &fitted), &mut found, &remainder)?

@@ -6,6 +6,7 @@
 use super::gate::Remainder;
 use super::needless::drop_needless;
 use super::search::{LEAST_GAIN, Search, Stage, WEAK};
+use super::ways::is_hopeless;
 use crate::estimate::abreast::Rows;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
@@ -28,12 +29,15 @@ pub(super) fn ask_finer(
     found: &mut Search,
     coarse: &Remainder,
 ) -> Result<Option<Remainder>, BuildError> {
+    if is_hopeless(found) {
+        return Ok(None);
+    }
     let Stage { fit, origin } = &found.after;
     let (moved, expected) = (&fit.coordinates, &found.expected);
     let gained = fit.deviance - problem.design(&fit.model, &fit.noise)?.deviance;
     let complaints = coarse.complaints(false).len();
     let names = found.rounds.len();
-    let suspect = names > 1 && found.rounds.iter().any(|round| round.gain < WEAK);
+    let suspect = is_suspect(found);
     if complaints == 0 && gained < LEAST_GAIN && !suspect {
         return Ok(None);
     }
@@ -44,8 +48,11 @@ pub(super) fn ask_finer(
     if gained < LEAST_GAIN && !calmer && !suspect {
         return Ok(None);
     }
+    let (rough, noise) = (problem.rough(), &better.noise);
+    // A sound fit is near already, and has its noise.
+    let enough = |_: &Fit| complaints == 0;
     let better =
-        refit::polish(&problem.rough(), origin, &better.model, moved, expected, &better.noise)?;
+        refit::polish_unless(enough, &rough, origin, &better.model, moved, expected, noise)?;
     let mut other = found.clone();
     other.after = Stage { fit: better, origin: origin.clone() };
     let asked_for_names = gained < LEAST_GAIN && !calmer;
@@ -55,6 +62,11 @@ pub(super) fn ask_finer(
     }
     *found = other;
     Ok(Some(Remainder::of(problem, &found.after.fit, &found.expected, problem.mask)?))
+}
+
+/// Whether a weak name stands beside others, where coarse steps may have made it.
+pub(super) fn is_suspect(found: &Search) -> bool {
+    found.rounds.len() > 1 && found.rounds.iter().any(|round| round.gain < WEAK)
 }
 
 /// What a fit makes of every sample at a noise: at the first of two `steps`, or at the finer ones where a moment
