@@ -41,8 +41,9 @@ pub const STEPS: u64 = 8;
 /// Blocks of a log, and those that are held out.
 const BLOCKS: usize = 10;
 const HELD_OUT: [usize; 3] = [3, 6, 9];
-/// How many times finer the step is made to say more closely what is missing, and where it may be what is.
+/// How many times finer the step is made to say more closely what is missing.
 const FINER: u32 = 2;
+/// The same where the step may be what is missing.
 const FINEST: u32 = 4;
 /// Samples that are looked at; longer logs are thinned to stretches.
 const MOST_SAMPLES: usize = 60_000;
@@ -108,13 +109,14 @@ pub fn discover_without(
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
     let sound = remainder.complaints(false).is_empty() && !is_suspect(&found);
-    let finer = record.refined(micro_steps * if sound { FINER } else { FINEST });
+    let finest = record.refined(micro_steps * FINEST);
+    let finer = if sound { record.refined(micro_steps * FINER) } else { finest.clone() };
     if !found.rounds.is_empty()
         && !interrupt::asked()
         && let Some(left) = ask_finer(&Problem::new(&finer, &fitted), &mut found, &remainder)?
     {
         remainder = left;
-        record = finer.clone();
+        record = finer;
     }
     let problem = Problem::new(&record, &fitted);
     if !interrupt::asked() {
@@ -130,7 +132,7 @@ pub fn discover_without(
         true => believable(&after.noise, &found.expected),
         false => after.noise,
     };
-    let run = |fit: &Fit| run_everywhere([&record, &finer], fit, &noise);
+    let run = |fit: &Fit| run_everywhere([&record, &finest], fit, &noise);
     let (run_before, run_after) = rayon::join(|| run(before), || run(after));
     let [(record_before, innovations_before), (record_after, innovations_after)] =
         [run_before?, run_after?];

@@ -144,10 +144,7 @@ pub(super) fn without(model: &Model, place: usize) -> Model {
 
 #[cfg(test)]
 mod tests {
-    use joint_core::params::Location;
-
     use super::super::candidates::cogging;
-    use super::super::search::Round;
     use super::super::trial;
     use super::*;
     use crate::estimate::noise;
@@ -157,8 +154,7 @@ mod tests {
     /// that order times `hidden`.
     fn kept(gain: f64, hidden: f64) -> bool {
         let nominal = trial::motor();
-        let amplitude = 0.02 * hidden;
-        let line = trial::line(12.0).with("amplitude_nm", amplitude);
+        let line = trial::line(12.0).with("amplitude_nm", 0.02 * hidden);
         let record = Record::new(&trial::log(&nominal, line, 4.0), None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask).rough();
@@ -166,13 +162,7 @@ mod tests {
         let before = trial::fitted(&problem, &nominal, &[]);
         let after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
         let mut search = Search::new(before, &[], expected);
-        search.rounds.push(Round {
-            name: (Kind::Cogging, Location::Motor),
-            gain,
-            rivals: Vec::new(),
-            runner_up: None,
-            stays_ahead: 1.0,
-        });
+        search.rounds.push(trial::round(gain));
         search.after = after;
         drop_needless(problem, &mut search, true).unwrap();
         search.after.fit.model.effects.len() == 1

@@ -194,7 +194,7 @@ pub fn search(
     }
     if !search.rounds.is_empty() {
         prove(last, &mut search, bar)?;
-        if search.rounds.is_empty() {
+        if search.rounds.is_empty() && !interrupt::asked() {
             // All was owed to a fit of the nominal that was stuck.
             search.before = search.after.clone();
             look_from_elsewhere(last, &mut search, bar)?;

@@ -5,7 +5,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
 use super::hypothesis::Hypothesis;
-use super::search::Stage;
+use super::search::{Round, Stage};
 use crate::demo::actuator;
 use crate::estimate::fit::Problem;
 use crate::estimate::{noise, refit};
@@ -49,4 +49,15 @@ pub(super) fn fitted(problem: &Problem<'_>, nominal: &Model, added: &[Hypothesis
     let doubt = expected.distrusted(3.0);
     let fit = refit::polish(problem, &origin, &origin, &moved, &expected, &doubt).unwrap();
     Stage { fit, origin }
+}
+
+/// A round that found a cogging, without rivals.
+pub(super) fn round(gain: f64) -> Round {
+    Round {
+        name: (Kind::Cogging, Location::Motor),
+        gain,
+        rivals: Vec::new(),
+        runner_up: None,
+        stays_ahead: 1.0,
+    }
 }

@@ -134,25 +134,18 @@ mod tests {
         let expected = noise::expected(&nominal, &record);
         let before = trial::fitted(&Problem::new(&record, &mask).rough(), &nominal, &[]);
         let mut search = Search::new(before, &[], expected);
-        let round = || Round {
-            name: (Kind::Cogging, Location::Motor),
-            gain: 400.0,
-            rivals: Vec::new(),
-            runner_up: None,
-            stays_ahead: 1.0,
-        };
         let mut futile = |first: f64, left: f64| {
             search.before.fit.noise = expected.distrusted(first);
             search.after.fit.noise = expected.distrusted(left);
             let named = is_futile(&search);
             let mut other = search.clone();
-            other.rounds.push(round());
+            other.rounds.push(trial::round(400.0));
             [named, is_futile(&other)]
         };
         assert_eq!(futile(40.0, 36.0), [false, true]);
         assert_eq!(futile(40.0, 20.0), [false, false]);
         assert_eq!(futile(5.0, 4.8), [false, false]);
-        search.rounds.push(round());
+        search.rounds.push(trial::round(400.0));
         let hopeless = |first: f64| {
             search.before.fit.noise = expected.distrusted(first);
             search.after.fit.noise = expected.distrusted(0.9 * first);
@@ -172,13 +165,8 @@ mod tests {
         let way = |order: f64, kind: Kind| {
             let mut search = Search::new(before.clone(), &[], expected);
             search.after = trial::fitted(&problem, &nominal, &[cogging::line(order, 0.01, false)]);
-            search.rounds.push(Round {
-                name: (kind, Location::Motor),
-                gain: cost(&before.fit) - cost(&search.after.fit),
-                rivals: Vec::new(),
-                runner_up: None,
-                stays_ahead: 1.0,
-            });
+            let gain = cost(&before.fit) - cost(&search.after.fit);
+            search.rounds.push(Round { name: (kind, Location::Motor), ..trial::round(gain) });
             search
         };
         for [first, second] in [[5.0, 12.0], [12.0, 5.0]] {

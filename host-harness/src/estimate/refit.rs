@@ -44,7 +44,7 @@ const HELPED: f64 = 0.8;
 pub const ADRIFT: f64 = 100.0;
 /// Times the expected noise from which on a fit is doubted: no right model needs more.
 pub const DOUBTFUL: f64 = 2.2;
-/// The same of a model with effects, whose laws may be slightly other than the joint's.
+/// The same of a model with effects that were found, whose laws may be slightly other than the joint's.
 pub const DOUBTED: f64 = 3.0;
 
 /// Refits every parameter of a model to a record; `origin` centres the priors.
@@ -201,7 +201,9 @@ pub fn converge(
     start: Fit,
     expected: &Noise,
 ) -> Result<Fit, BuildError> {
-    let most = if start.model.effects.is_empty() { DOUBTFUL } else { DOUBTED };
+    // A nominal's own effects are not moved, and excuse nothing.
+    let found = start.coordinates.iter().any(|c| !matches!(c, Coordinate::Parameter(_)));
+    let most = if found { DOUBTED } else { DOUBTFUL };
     let doubtful = |fit: &Fit| fit.noise.times(expected) > most;
     let mut best = start;
     for attempt in 0..ATTEMPTS {
