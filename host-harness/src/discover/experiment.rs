@@ -16,7 +16,7 @@ use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::estimate::twin::twin;
 use crate::grid::Grid;
 use crate::model::Model;
-use crate::plant::{BuildError, Layout, plant};
+use crate::plant::{BuildError, Layout, Plant, plant};
 
 /// Most samples of an experiment.
 const SAMPLES: usize = 8000;
@@ -125,28 +125,26 @@ pub fn experiment(
             if !stays(&mut input, rivals, travel(record))? {
                 return Ok(None);
             }
-            let worth = worth(&input, rivals)?;
-            let unseen = !record.has(Channel::Output) && !rivals[0].origin.stages.is_empty();
-            let with_output = match unseen {
-                true => {
-                    let mut seen = input.clone();
-                    seen.measured.iter_mut().for_each(|row| row[Channel::Output as usize] = 0.0);
-                    Some(self::worth(&seen, rivals)?)
-                }
-                false => None,
-            };
-            Ok(Some(Experiment {
-                name: excitation.name,
-                drive: input.drive,
-                expected_rad: path(&rivals[0].fit.model, &input)?,
-                time_s: input.time_s,
-                values: input.drive_values,
-                worth,
-                with_output,
-            }))
+            Ok(Some((excitation.name, worth(&input, rivals)?, input)))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
-    Ok(tried.into_iter().flatten().max_by(|a, b| a.worth.total_cmp(&b.worth)))
+    let best = tried.into_iter().flatten().max_by(|(_, a, _), (_, b, _)| a.total_cmp(b));
+    let Some((name, worth, input)) = best else { return Ok(None) };
+    let unseen = !record.has(Channel::Output) && !rivals[0].origin.stages.is_empty();
+    let with_output = unseen.then(|| {
+        let mut seen = input.clone();
+        seen.measured.iter_mut().for_each(|row| row[Channel::Output as usize] = 0.0);
+        self::worth(&seen, rivals)
+    });
+    Ok(Some(Experiment {
+        name,
+        drive: input.drive,
+        expected_rad: path(&rivals[0].fit.model, &input)?,
+        time_s: input.time_s,
+        values: input.drive_values,
+        worth,
+        with_output: with_output.transpose()?,
+    }))
 }
 
 /// A record with the log's channels and nothing in them yet.
@@ -181,12 +179,14 @@ fn travel(record: &Record) -> f64 {
 /// Makes an excitation small enough for both models to stay within a travel; false where that does not
 /// help.
 fn stays(input: &mut Record, rivals: [&Stage; 2], travel: f64) -> Result<bool, BuildError> {
+    let plants = rivals.map(|rival| plant(&rival.fit.model, &input.grid, input.drive));
+    let [one, other] = plants;
+    let plants = [one?, other?];
     for _ in 0..SHRINKS {
-        let mut within = true;
-        for rival in rivals {
-            within &= path(&rival.fit.model, input)?.iter().all(|angle| angle.abs() <= travel);
-        }
-        if within {
+        let within = |(plant, rival): (&Box<dyn Plant>, &Stage)| {
+            angles(&**plant, &rival.fit.model, input).all(|angle| angle.abs() <= travel)
+        };
+        if plants.iter().zip(rivals).all(within) {
             return Ok(true);
         }
         input.drive_values.iter_mut().for_each(|value| *value *= 0.8);
@@ -197,27 +197,32 @@ fn stays(input: &mut Record, rivals: [&Stage; 2], travel: f64) -> Result<bool, B
 /// The rotor's angle along an excitation, rad.
 fn path(model: &Model, input: &Record) -> Result<Vec<f64>, BuildError> {
     let plant = plant(model, &input.grid, input.drive)?;
+    Ok(angles(&*plant, model, input).collect())
+}
+
+/// The same as far as somebody asks.
+fn angles(plant: &dyn Plant, model: &Model, input: &Record) -> impl Iterator<Item = f64> {
     let mut state = vec![0.0; Layout::of(model).len()];
-    let angle = |k: usize| {
+    input.drive_values.iter().enumerate().map(move |(k, value)| {
         let here = state[Layout::ANGLE];
-        plant.propagate(k, &mut state, input.drive_values[k], 0.0);
+        plant.propagate(k, &mut state, *value, 0.0);
         here
-    };
-    Ok((0..input.len()).map(angle).collect())
+    })
 }
 
 /// What the wrong model loses on records of either, on average, in log-likelihood.
 fn worth(input: &Record, rivals: [&Stage; 2]) -> Result<f64, BuildError> {
-    let mut lost = 0.0;
-    for [right, wrong] in [rivals, [rivals[1], rivals[0]]] {
+    let lost = |[right, wrong]: [&Stage; 2]| {
         let record = twin(&right.fit.model, input, &right.fit.noise, 7)?;
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
         let own = problem.design(&right.fit.model, &right.fit.noise)?.deviance;
         let other = problem.design(&wrong.fit.model, &wrong.fit.noise)?.deviance;
-        lost += (other - own) / 2.0;
-    }
-    Ok(lost / 2.0)
+        Ok::<_, BuildError>((other - own) / 2.0)
+    };
+    let [one, other] = rivals;
+    let (lost_by_other, lost_by_one) = rayon::join(|| lost(rivals), || lost([other, one]));
+    Ok((lost_by_other? + lost_by_one?) / 2.0)
 }
 
 #[cfg(test)]

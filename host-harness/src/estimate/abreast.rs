@@ -3,6 +3,8 @@
 //!
 //! A derivative by differences, and the score of a name, are a run for every value that may move.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use joint_core::scalar::Scalar;
 use joint_core::work::Work;
 use rayon::prelude::*;
@@ -46,7 +48,32 @@ impl Problem<'_> {
         }
         found
     }
+
+    /// The same of models, no more than there are lanes, all of them side by side; `None` where that cannot be
+    /// done, or as soon as they are stopped.
+    pub(super) fn side_by_side(
+        &self,
+        models: &[Model],
+        gains: &Gains,
+        stopped: &AtomicBool,
+    ) -> Option<Vec<Rows>> {
+        let over = || stopped.load(Ordering::Relaxed);
+        if models.is_empty() || models.len() > LANES || over() {
+            return None;
+        }
+        let plant = |model| plant(model, &self.record.grid, self.record.drive).ok();
+        let plants: Vec<Box<dyn Plant>> = models.iter().map(plant).collect::<Option<_>>()?;
+        let alike = models.iter().all(|model| are_alike(&models[0], model));
+        let own = models.iter().zip(&plants);
+        let observers: Vec<_> = own.map(|(model, own)| self.observer(model, &**own)).collect();
+        let joints = alike.then(|| abreast(&observers)).flatten()?;
+        let rows = wide::run(Together { observers: &observers, joints: &*joints, gains, stopped });
+        (!over()).then_some(rows)
+    }
 }
+
+/// Samples after which a run that may be stopped asks whether it is.
+const ASKED: usize = 64;
 
 /// Whether models have the same laws at the same places.
 fn are_alike(one: &Model, other: &Model) -> bool {
@@ -60,15 +87,19 @@ fn are_alike(one: &Model, other: &Model) -> bool {
 /// [`Observer::innovations`] of observers, no more than there are lanes, whose records differ in what was
 /// measured alone; side by side if their plants are alike.
 pub(super) fn innovations(observers: &[Observer<'_>], gains: &Gains) -> Vec<Rows> {
-    match abreast(observers) {
-        Some(joints) => wide::run(Together { observers, joints: &*joints, gains }),
+    let joints = (observers.len() > 1).then(|| abreast(observers)).flatten();
+    match joints {
+        Some(joints) => {
+            let stopped = &AtomicBool::new(false);
+            wide::run(Together { observers, joints: &*joints, gains, stopped })
+        }
         None => observers.iter().map(|own| own.innovations(gains)).collect(),
     }
 }
 
-/// The plants of observers side by side; `None` for one alone, or where they are not alike after all.
+/// The plants of observers side by side; `None` where they are not alike after all.
 fn abreast(observers: &[Observer<'_>]) -> Option<Box<dyn Abreast>> {
-    let [first, _, ..] = observers else { return None };
+    let first = observers.first()?;
     let constants: Option<Vec<_>> = observers.iter().map(|own| own.plant.constants()).collect();
     let constants = constants?;
     first.plant.abreast(&constants.iter().collect::<Vec<_>>())
@@ -79,15 +110,17 @@ struct Together<'a, 'o> {
     observers: &'a [Observer<'o>],
     joints: &'a dyn Abreast,
     gains: &'a Gains,
+    /// Whether nobody waits for them any more.
+    stopped: &'a AtomicBool,
 }
 
 impl Work for Together<'_, '_> {
     type Output = Vec<Rows>;
 
-    /// [`Observer::innovations`] of each.
+    /// [`Observer::innovations`] of each, as far as somebody waits for them.
     #[inline(always)]
     fn run(self) -> Vec<Rows> {
-        let Self { observers, joints, gains } = self;
+        let Self { observers, joints, gains, stopped } = self;
         let first = &observers[0];
         let of_lane = |lane: usize| observers.get(lane).unwrap_or(first);
         let designed = gains.order - gains.walks.len();
@@ -103,6 +136,9 @@ impl Work for Together<'_, '_> {
         let mut x = vec![Lanes::ZERO; order];
         let mut rows = vec![vec![[0.0; CHANNELS]; first.record.len()]; observers.len()];
         for k in 0..first.record.len() {
+            if k % ASKED == 0 && stopped.load(Ordering::Relaxed) {
+                break;
+            }
             if first.is_idle(k) {
                 continue;
             }

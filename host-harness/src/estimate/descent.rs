@@ -8,12 +8,13 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::abreast::Rows;
 use super::coordinates::{Coordinate, precision};
 use super::filter::{Linearisation, Noise};
 use super::fit::{Design, Fit, Known, Problem};
 use super::gram::gram;
-use super::record::CHANNELS;
 use super::slope::Slope;
+use super::trials::Trials;
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::{BuildError, inertias};
@@ -157,33 +158,27 @@ impl Descent<'_> {
         let curvature = gram(&own.jacobian) + DMatrix::from_diagonal(precision);
         let before = problem.sum_of_squares(&at.design.innovations) + self.prior(&at.model);
         let likely = self.cost(at);
-        let [here, elsewhere] = ATTEMPTS;
-        for attempt in 0..if own.is_fresh() { here } else { elsewhere } {
-            let mut damped = curvature.clone();
-            for k in 0..self.coordinates.len() {
-                damped[(k, k)] += at.damping * curvature[(k, k)];
-            }
-            let Some(step) = damped.cholesky().map(|c| -c.solve(&gradient)) else { break };
-            let mut moved = at.model.clone();
-            for (coordinate, step) in self.coordinates.iter().zip(step.iter()) {
-                coordinate.shift(&mut moved, coordinate.limited(*step));
-            }
-            let step = self.offset(&at.model, &moved);
+        let moves = self.moves(at, &gradient, &curvature, own.is_fresh());
+        let gains = at.design.gains.clone();
+        let mut trials = Trials::of(problem, &gains, &moves);
+        for (attempt, moved) in moves.iter().enumerate() {
+            let step = self.offset(&at.model, moved);
             let promised = -step.dot(&(&gradient * 2.0 + &curvature * &step));
             let is_far = |gain: f64| problem.cautious || gain > FAR * before;
-            let frozen = || problem.innovations(&moved, &at.design.gains);
-            let anew = || problem.design_anew(&moved, &self.noise_at(&moved));
-            // A second core designs at once what is needed if the step keeps its promise.
+            let anew = || problem.design_anew(moved, &self.noise_at(moved));
+            // A second core designs at once what is needed if the step keeps its promise, or makes the next ones.
             let (rows, ahead) =
                 if attempt == 0 && is_far(promised) && rayon::current_num_threads() > 1 {
-                    let (rows, ahead) = rayon::join(frozen, anew);
+                    let (rows, ahead) = rayon::join(|| trials.run(0), anew);
                     (rows, Some(ahead))
+                } else if attempt == 0 {
+                    let cost = |rows: &Rows| problem.sum_of_squares(rows) + self.prior(moved);
+                    (trials.first(|rows| cost(rows) < before), None)
                 } else {
-                    (frozen(), None)
+                    (trials.run(attempt), None)
                 };
-            let rows = rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; problem.record.len()]);
             let squares = problem.sum_of_squares(&rows);
-            let after = squares + self.prior(&moved);
+            let after = squares + self.prior(moved);
             if after < before {
                 let far = is_far(before - after);
                 let change = problem.residual(&rows) - residual;
@@ -194,11 +189,10 @@ impl Descent<'_> {
                 } else {
                     // One designed along the same linearisation at noise that follows the inertia has the same
                     // gains.
-                    let gains = at.design.gains.clone();
                     let deviance = squares + gains.log_variance(problem.mask);
-                    (Design { gains, innovations: rows, deviance }, None)
+                    (Design { gains: gains.clone(), innovations: rows, deviance }, None)
                 };
-                let found = design.deviance + self.prior(&moved);
+                let found = design.deviance + self.prior(moved);
                 if found < likely || !problem.cautious {
                     if let Some(made) = made {
                         *along = Cow::Owned(made);
@@ -206,7 +200,7 @@ impl Descent<'_> {
                     let kept = [promised, before - after];
                     own.learn(&step, &change, &curvature.diagonal(), kept);
                     let damping = (at.damping * 0.1).max(DAMPING[1]);
-                    let there = Place { model: moved, design, linearised: far, damping };
+                    let there = Place { model: moved.clone(), design, linearised: far, damping };
                     let left = std::mem::replace(at, there);
                     let gained = if problem.cautious { likely - found } else { before - after };
                     return Ok((gained, Some(left)));
@@ -215,5 +209,31 @@ impl Descent<'_> {
             at.damping *= 10.0;
         }
         Ok((0.0, None))
+    }
+
+    /// The models that steps from a place lead to, each more damped than the one before, as many as are tried.
+    fn moves(
+        &self,
+        at: &Place,
+        gradient: &DVector<f64>,
+        curvature: &DMatrix<f64>,
+        fresh: bool,
+    ) -> Vec<Model> {
+        let [here, elsewhere] = ATTEMPTS;
+        let mut damping = at.damping;
+        let moved = |_| {
+            let mut damped = curvature.clone();
+            for k in 0..self.coordinates.len() {
+                damped[(k, k)] += damping * curvature[(k, k)];
+            }
+            damping *= 10.0;
+            let step = -damped.cholesky()?.solve(gradient);
+            let mut moved = at.model.clone();
+            for (coordinate, step) in self.coordinates.iter().zip(step.iter()) {
+                coordinate.shift(&mut moved, coordinate.limited(*step));
+            }
+            Some(moved)
+        };
+        (0..if fresh { here } else { elsewhere }).map_while(moved).collect()
     }
 }

@@ -30,5 +30,6 @@ pub mod slope;
 mod slopes;
 mod tape;
 pub mod timing;
+mod trials;
 pub mod twin;
 mod whole_registers;

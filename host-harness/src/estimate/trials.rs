@@ -1,0 +1,63 @@
+//! Steps from one place at several dampings: the first that helps is taken, and near a minimum that is
+//! often the third or none.
+//!
+//! One run uses one core and one lane of it. So the others are run side by side as soon as somebody has
+//! time, and stopped where the first has helped.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::abreast::Rows;
+use super::filter::Gains;
+use super::fit::Problem;
+use super::record::CHANNELS;
+use crate::model::Model;
+
+/// What models make of a record with the same gains, each run when it is asked for or before.
+pub(super) struct Trials<'t> {
+    problem: &'t Problem<'t>,
+    gains: &'t Gains,
+    models: &'t [Model],
+    /// Of those after the first, where they have been run side by side.
+    others: Option<Vec<Rows>>,
+}
+
+impl<'t> Trials<'t> {
+    /// Of models that are tried in this order.
+    pub(super) fn of(problem: &'t Problem<'t>, gains: &'t Gains, models: &'t [Model]) -> Self {
+        Self { problem, gains, models, others: None }
+    }
+
+    /// Innovations of the first; of the others as well, while it is under way, unless it `helps`.
+    pub(super) fn first(&mut self, helps: impl Fn(&Rows) -> bool + Sync) -> Rows {
+        let taken = AtomicBool::new(false);
+        let first = || {
+            let rows = self.alone(0);
+            taken.store(helps(&rows), Ordering::Relaxed);
+            rows
+        };
+        let others = || self.problem.side_by_side(&self.models[1..], self.gains, &taken);
+        let (rows, others) = rayon::join(first, others);
+        self.others = others;
+        rows
+    }
+
+    /// Innovations of one of them.
+    pub(super) fn run(&mut self, number: usize) -> Rows {
+        let Some(place) = number.checked_sub(1) else { return self.alone(0) };
+        if self.others.is_none() {
+            let going_on = AtomicBool::new(false);
+            let others = self.problem.side_by_side(&self.models[1..], self.gains, &going_on);
+            self.others = others.or(Some(Vec::new()));
+        }
+        match self.others.as_mut().and_then(|others| others.get_mut(place)) {
+            Some(rows) => std::mem::take(rows),
+            None => self.alone(number),
+        }
+    }
+
+    /// Of one by itself; no numbers where it cannot be built.
+    fn alone(&self, number: usize) -> Rows {
+        let rows = self.problem.innovations(&self.models[number], self.gains);
+        rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; self.problem.record.len()])
+    }
+}
