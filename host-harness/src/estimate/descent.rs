@@ -109,6 +109,7 @@ impl Problem<'_> {
             gains: design.gains,
             innovations: design.innovations,
             deviance: design.deviance,
+            rests: false,
         })
     }
 }

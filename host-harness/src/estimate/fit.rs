@@ -42,6 +42,8 @@ pub struct Fit {
     pub prior: f64,
     /// What it took from minus twice the log-likelihood and the priors since its start.
     pub gained: f64,
+    /// Whether it is known that refitting it on from where it is gains little.
+    pub rests: bool,
 }
 
 impl Fit {

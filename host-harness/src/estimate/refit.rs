@@ -187,6 +187,7 @@ fn polished(
     if gained > 0.0 {
         *best = again;
     }
+    best.rests = gained <= WORTHWHILE;
     Ok(gained)
 }
 
@@ -205,9 +206,11 @@ pub fn converge(
     let found = start.coordinates.iter().any(|c| !matches!(c, Coordinate::Parameter(_)));
     let most = if found { DOUBTED } else { DOUBTFUL };
     let doubtful = |fit: &Fit| fit.noise.times(expected) > most;
+    // One that rests need not be polished before it is known whether it stays.
+    let mut owed = start.rests && doubtful(&start);
     let mut best = start;
     for attempt in 0..ATTEMPTS {
-        if polished(problem, origin, &mut best, expected)? > WORTHWHILE {
+        if !owed && polished(problem, origin, &mut best, expected)? > WORTHWHILE {
             continue;
         }
         if attempt + 1 == ATTEMPTS || !doubtful(&best) {
@@ -223,10 +226,14 @@ pub fn converge(
         let helped = moved.noise.times(expected) < HELPED * best.noise.times(expected);
         if gained > 0.0 {
             best = moved;
+            owed = false;
         }
         if gained <= WORTHWHILE || !helped {
             break;
         }
+    }
+    if owed {
+        polished(problem, origin, &mut best, expected)?;
     }
     Ok(best)
 }
