@@ -15,11 +15,11 @@ use super::gate::rms;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::protected::{conclude, gained};
 use super::score_test::ScoreTest;
-use super::search::{Contender, FAR_BEHIND, LEAST_GAIN, Search, Stage, WEAK, title};
+use super::search::{Contender, FAR_BEHIND, LEAST_GAIN, LOST, Search, Stage, WEAK, title};
 use super::ways::is_hopeless;
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Fit, Known, Problem};
-use crate::estimate::refit::{self, DOUBTFUL, cost};
+use crate::estimate::refit::{self, DOUBTFUL, RUGGED, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -176,6 +176,17 @@ pub(super) fn add_annealed(
         })?;
     }
     tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+    // The right name may stand in a hollow that the nominal's refit has led to, and leave as much noise.
+    if let Some((contender, stage)) = tried.first_mut()
+        && stage.origin.stages.len() >= RUGGED
+        && stage.fit.noise.times(&expected) > LOST
+    {
+        let again = refit::cooled(&problem, &stage.origin, &stage.fit, &expected)?;
+        if cost(&again) < cost(&stage.fit) {
+            contender.gain = gained(&base.fit, &again);
+            stage.fit = again;
+        }
+    }
     conclude(problem, search, round, tried)
 }
 
