@@ -179,6 +179,7 @@ pub(super) fn add_annealed(
     // The right name may stand in a hollow that the nominal's refit has led to, and leave as much noise.
     if let Some((contender, stage)) = tried.first_mut()
         && stage.origin.stages.len() >= RUGGED
+        && contender.gain > WEAK
         && stage.fit.noise.times(&expected) > LOST
     {
         let again = refit::cooled(&problem, &stage.origin, &stage.fit, &expected)?;
