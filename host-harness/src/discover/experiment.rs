@@ -179,14 +179,14 @@ fn travel(record: &Record) -> f64 {
 /// Makes an excitation small enough for both models to stay within a travel; false where that does not
 /// help.
 fn stays(input: &mut Record, rivals: [&Stage; 2], travel: f64) -> Result<bool, BuildError> {
-    let plants = rivals.map(|rival| plant(&rival.fit.model, &input.grid, input.drive));
-    let [one, other] = plants;
+    let [one, other] = rivals.map(|rival| plant(&rival.fit.model, &input.grid, input.drive));
     let plants = [one?, other?];
     for _ in 0..SHRINKS {
-        let within = |(plant, rival): (&Box<dyn Plant>, &Stage)| {
-            angles(&**plant, &rival.fit.model, input).all(|angle| angle.abs() <= travel)
-        };
-        if plants.iter().zip(rivals).all(within) {
+        let mut both = plants.iter().zip(rivals);
+        let within = both.all(|(plant, rival)| {
+            angles(plant.as_ref(), &rival.fit.model, input).all(|angle| angle.abs() <= travel)
+        });
+        if within {
             return Ok(true);
         }
         input.drive_values.iter_mut().for_each(|value| *value *= 0.8);

@@ -217,7 +217,7 @@ impl<'a> Observer<'a> {
         let motion = self.record.motions.iter().find(|motion| motion.sample == k);
         let going_on = n + motion.filter(|motion| motion.goes_on).map_or(0, |m| m.constants.len());
         let sigma = |state: usize| match (n..going_on).contains(&state) {
-            true => before.variance(state).sqrt(),
+            true => before.variance(state).max(0.0).sqrt(),
             false => sigma(state),
         };
         let sigmas: Vec<f64> = (0..n + walks.len()).map(sigma).collect();

@@ -285,3 +285,42 @@ pub fn coordinates(model: &Model, problem: &Problem<'_>) -> Vec<Coordinate> {
     let quantities = Quantity::of(model, problem.record.drive);
     quantities.into_iter().map(Coordinate::Parameter).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::record::Record;
+    use crate::synthetic::{Experiment, record};
+
+    #[test]
+    fn a_fit_that_rests_gains_little_when_it_is_polished_again() {
+        let truth = actuator();
+        let log = record(&truth, &Experiment::clean(0.4), 5).unwrap();
+        let record = Record::new(&log, None);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let mut nominal = truth.clone();
+        Quantity::Stiffness(0).shift(&mut nominal, 0.1);
+        nominal.motor.friction.coulomb_nm *= 1.3;
+        let expected = noise::expected(&nominal, &record);
+        let moved = coordinates(&nominal, &problem);
+        let begun = problem.fit(&nominal, &nominal, &moved, &expected, 1).unwrap();
+        assert!(!begun.rests);
+        let again = polish(&problem, &nominal, &begun.model, &moved, &expected, &expected).unwrap();
+        assert!(cost(&begun) - cost(&again) > WORTHWHILE && !again.rests);
+        let rests = polish_on(&problem, &nominal, begun, &expected).unwrap();
+        assert!(rests.rests);
+        let again = polish(&problem, &nominal, &rests.model, &moved, &expected, &rests.noise);
+        assert!(cost(&rests) - cost(&again.unwrap()) <= WORTHWHILE);
+        // One that is believed is polished all the same, and gets no worse.
+        let converged = converge(&problem, &nominal, rests.clone(), &expected).unwrap();
+        assert!(converged.rests && cost(&converged) <= cost(&rests));
+        // Of a doubted one that stays where it is nothing is lost either.
+        let calmer =
+            Noise { drive: 0.1 * expected.drive, torque: 0.1 * expected.torque, ..expected };
+        assert!(rests.noise.times(&calmer) > DOUBTFUL);
+        let converged = converge(&problem, &nominal, rests.clone(), &calmer).unwrap();
+        assert!(converged.rests && cost(&converged) <= cost(&rests));
+    }
+}

@@ -61,3 +61,51 @@ impl<'t> Trials<'t> {
         rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; self.problem.record.len()])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::noise;
+    use crate::estimate::parameters::Quantity;
+    use crate::estimate::record::Record;
+    use crate::synthetic::{Experiment, record};
+
+    #[test]
+    fn what_is_tried_side_by_side_has_the_bits_of_each_alone() {
+        let model = actuator();
+        let log = record(&model, &Experiment::clean(0.3), 5).unwrap();
+        let record = Record::new(&log, None);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask);
+        let gains = problem.design(&model, &noise::expected(&model, &record)).unwrap().gains;
+        let off = |step: f64| {
+            let mut moved = model.clone();
+            Quantity::Stiffness(0).shift(&mut moved, step);
+            moved
+        };
+        let alike = [off(0.3), off(0.1), off(-0.1)];
+        let mut broken = off(0.1);
+        broken.motor.rotor_inertia_kg_m2 = -1.0;
+        let with_broken = [off(0.3), broken, off(-0.1)];
+        let alone = |model: &Model| problem.innovations(model, &gains).ok();
+        for models in [&alike, &with_broken] {
+            for first_helps in [false, true] {
+                let mut trials = Trials::of(&problem, &gains, models);
+                assert_eq!(Some(trials.first(|_| first_helps)), alone(&models[0]));
+                for (number, model) in models.iter().enumerate().skip(1) {
+                    let rows = trials.run(number);
+                    match alone(model) {
+                        Some(wanted) => assert_eq!(rows, wanted),
+                        None => assert!(rows.iter().flatten().all(|error| error.is_nan())),
+                    }
+                }
+            }
+        }
+        let stopped = AtomicBool::new(true);
+        assert!(problem.side_by_side(&alike, &gains, &stopped).is_none());
+        stopped.store(false, Ordering::Relaxed);
+        assert!(problem.side_by_side(&alike, &gains, &stopped).is_some());
+        assert!(problem.side_by_side(&with_broken, &gains, &stopped).is_none());
+    }
+}
