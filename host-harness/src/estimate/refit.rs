@@ -317,10 +317,10 @@ mod tests {
         let converged = converge(&problem, &nominal, rests.clone(), &expected).unwrap();
         assert!(converged.rests && cost(&converged) <= cost(&rests));
         // Of a doubted one that stays where it is nothing is lost either.
-        let calmer =
-            Noise { drive: 0.1 * expected.drive, torque: 0.1 * expected.torque, ..expected };
+        let Noise { drive, torque, .. } = rests.noise;
+        let calmer = Noise { drive: 0.2 * drive, torque: 0.2 * torque, ..expected };
         assert!(rests.noise.times(&calmer) > DOUBTFUL);
         let converged = converge(&problem, &nominal, rests.clone(), &calmer).unwrap();
-        assert!(converged.rests && cost(&converged) <= cost(&rests));
+        assert!(cost(&converged) <= cost(&rests));
     }
 }
