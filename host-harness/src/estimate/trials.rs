@@ -12,6 +12,10 @@ use super::fit::Problem;
 use super::record::CHANNELS;
 use crate::model::Model;
 
+/// Errors, in sigmas, of a joint that is thrown: alone it counts turns as far as whole numbers go, and is
+/// lost then; side by side it flies on.
+const THROWN: f64 = 1e9;
+
 /// What models make of a record with the same gains, each run when it is asked for or before.
 pub(super) struct Trials<'t> {
     problem: &'t Problem<'t>,
@@ -50,8 +54,8 @@ impl<'t> Trials<'t> {
             self.others = others.or(Some(Vec::new()));
         }
         match self.others.as_mut().and_then(|others| others.get_mut(place)) {
-            Some(rows) => std::mem::take(rows),
-            None => self.alone(number),
+            Some(rows) if !is_thrown(rows) => std::mem::take(rows),
+            _ => self.alone(number),
         }
     }
 
@@ -60,6 +64,11 @@ impl<'t> Trials<'t> {
         let rows = self.problem.innovations(&self.models[number], self.gains);
         rows.unwrap_or_else(|_| vec![[f64::NAN; CHANNELS]; self.problem.record.len()])
     }
+}
+
+/// Whether a joint was thrown.
+fn is_thrown(rows: &Rows) -> bool {
+    rows.iter().flatten().any(|error| error.abs() > THROWN)
 }
 
 #[cfg(test)]
