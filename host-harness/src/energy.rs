@@ -7,7 +7,7 @@
 use joint_core::effect::Kind;
 use joint_core::params::Stage;
 use joint_core::per_unit::{Bases, reflected_inertia};
-use joint_core::worm;
+use joint_core::effect::worm;
 
 use crate::model::Model;
 use crate::plant::Layout;

@@ -11,7 +11,11 @@ mod exponential;
 
 use core::ops::{Add, Mul, Neg, Sub};
 
-use crate::scalar::{Scalar, single};
+use crate::angle::{Turns, counted};
+use crate::friction::{Damped, Relaxation, Stribeck};
+use crate::gear::Deflection;
+use crate::number::{Elementary, Limits, Number, compared};
+use crate::work::Wide;
 use exponential::interpolated;
 
 /// Binary places of a state.
@@ -164,24 +168,13 @@ impl Fixed {
     }
 }
 
-impl Scalar for Fixed {
+impl Number for Fixed {
     type Gain = Gain;
-    single!();
-
-    const LARGEST: f64 = 32.0;
-    const LARGEST_GAIN: f64 = 32_768.0;
+    compared!();
 
     const ZERO: Fixed = Fixed(0);
     const ONE: Fixed = Fixed(UNIT);
     const HALF: Fixed = Fixed(UNIT / 2);
-    const SIXTH: Fixed = Fixed((UNIT + 3) / 6);
-    const ELEVEN_TWELFTHS: Fixed = Fixed(UNIT - (UNIT + 6) / 12);
-    const IMPLICIT: bool = false;
-    const RISES: bool = false;
-    const REACH: f64 = 1.0;
-    const PER_REACH: Fixed = Fixed(UNIT);
-    const RELAXING: [Fixed; 2] = [Fixed(UNIT), Fixed(UNIT / 2)];
-    const SQUARE: f64 = 1.0;
 
     /// Beyond 32768 a constant stops; below 2⁻³³ it is zero.
     fn gain(value: f64) -> Gain {
@@ -218,28 +211,6 @@ impl Scalar for Fixed {
         }
         Fixed(nearest_upper(nearest_upper(self.0, gain.mantissa), gain.power))
     }
-    #[inline(always)]
-    fn settled(self) -> Fixed {
-        Fixed(self.0 - self.0.signum())
-    }
-    #[inline(always)]
-    fn reached(self, gain: Gain, lost: Fixed) -> (Fixed, Fixed) {
-        let (reach, rest) = if gain.power == 0 {
-            let product = i64::from(self.0) * i64::from(gain.mantissa);
-            (from_place::<16>(product), (product as u32) << 16)
-        } else {
-            let moved = gain.exactly(self);
-            ((moved >> 32) as i32, moved as u32)
-        };
-        let (low, carry) = (lost.0 as u32).overflowing_add(rest);
-        (Fixed(reach.saturating_add(i32::from(carry))), Fixed(low as i32))
-    }
-    #[inline(always)]
-    fn drifted(self, lost: Fixed, change: Fixed, gain: Gain) -> (Fixed, Fixed) {
-        let moved = gain.exactly(change);
-        let (low, carry) = (lost.0 as u32).overflowing_add(moved as u32);
-        (self + Fixed((moved >> 32) as i32 + i32::from(carry)), Fixed(low as i32))
-    }
     #[inline]
     fn ratio(self, at_least_self: Fixed) -> Fixed {
         // Both moved up as far as they go, so that a small divisor is as good as a large one.
@@ -254,6 +225,39 @@ impl Scalar for Fixed {
     fn abs(self) -> Fixed {
         Fixed(self.0.saturating_abs())
     }
+    #[inline(always)]
+    fn nearest(self, other: Fixed) -> Fixed {
+        let product = i64::from(self.0) * i64::from(other.0) + i64::from(UNIT / 2);
+        Self(from_place::<PLACES>(product))
+    }
+    #[inline(always)]
+    fn half(self) -> Fixed {
+        Fixed(self.0 >> 1)
+    }
+    #[inline(always)]
+    fn eighth(self) -> Fixed {
+        Fixed(self.0 >> 3)
+    }
+    #[inline(always)]
+    fn along(self, direction: Fixed) -> Fixed {
+        if direction.0 < 0 { -self } else { self }
+    }
+}
+
+impl Limits for Fixed {
+    const LARGEST: f64 = 32.0;
+    const LARGEST_GAIN: f64 = 32_768.0;
+    const IMPLICIT: bool = false;
+
+    /// A large constant's product stops up to 2¹⁶ steps before the last one.
+    #[inline(always)]
+    fn is_at_limit(self) -> bool {
+        const LIMIT: i32 = i32::MAX - (1 << 16);
+        self.0 > LIMIT || self.0 < -LIMIT
+    }
+}
+
+impl Elementary for Fixed {
     /// `2^−p`, the whole part of `p` as a shift and a polynomial of fourth order for the rest.
     #[inline(always)]
     fn exp_minus(self) -> Fixed {
@@ -272,92 +276,6 @@ impl Scalar for Fixed {
         }
         Fixed((sum + (8 << whole)) >> (whole + 4))
     }
-    /// The exponential from a table of its values at eighths, with straight lines between: an error of
-    /// 5e-4 at most; zero from 16 on.
-    #[inline(always)]
-    fn stribeck(self, beta: Fixed) -> (Fixed, Fixed) {
-        let excess = beta.nearest(interpolated(self.0));
-        let level = Fixed::ONE + excess;
-        (excess.share(level), level)
-    }
-    /// As a share of the way to the slip value, since the quotient's parts would leave the range. From
-    /// a reach of 4.5 on, where 1 % of the way is left, the bristle is there.
-    #[inline(always)]
-    fn relaxed(self, reach: Fixed, rho: Fixed, level: Fixed) -> Fixed {
-        const LIMIT: i32 = 9 * (UNIT / 2);
-        const SIXTH_OF_WORD: i32 = 715_827_883;
-        let x = reach.abs().nearest(rho).0;
-        let x = if x < LIMIT { x } else { LIMIT };
-        // x + x² (½ + x/6): x in steps of 2⁻²⁸, the half and the square's half of 2⁻²⁸ and 2⁻²⁴.
-        let fine = x << 2;
-        let bent = upper(fine, (1 << 27) + upper(fine, SIXTH_OF_WORD));
-        let series = x + (upper(fine, bent << 4) << 2);
-        let (lead, r) = of_one_or_more::<2>(UNIT.saturating_add(series));
-        // In steps of 2⁻³⁰.
-        let share = upper(series << lead, r) << 2;
-        let share = if x < LIMIT { share } else { 1 << 30 };
-        let way = level.along(reach).0.saturating_sub(self.0).clamp(-8 * UNIT + 1, 8 * UNIT - 1);
-        // To the nearest: rounded down, a bristle in stick would creep.
-        self + Fixed(nearest_upper(way << 2, share))
-    }
-    /// The sum of fixed point loses nothing.
-    #[inline(always)]
-    fn relaxed_exactly(
-        self,
-        lost: Fixed,
-        reach: Fixed,
-        rho: Fixed,
-        level: Fixed,
-    ) -> (Fixed, Fixed) {
-        (self.relaxed(reach, rho, level), lost)
-    }
-    #[inline(always)]
-    fn nearest(self, other: Fixed) -> Fixed {
-        let product = i64::from(self.0) * i64::from(other.0) + i64::from(UNIT / 2);
-        Self(from_place::<PLACES>(product))
-    }
-    #[inline(always)]
-    fn half(self) -> Fixed {
-        Fixed(self.0 >> 1)
-    }
-    #[inline(always)]
-    fn eighth(self) -> Fixed {
-        Fixed(self.0 >> 3)
-    }
-    #[inline(always)]
-    fn swing(self) -> Fixed {
-        Fixed((self.0 + 8) >> 4)
-    }
-    #[inline(always)]
-    fn per_square(self) -> Fixed {
-        self
-    }
-    /// By products with the share that is lost, in steps of 2⁻³²; a share stops at a half.
-    #[inline(always)]
-    fn kicked<const SQUARE: bool>(self, gained: Fixed, lost: Fixed) -> Fixed {
-        const LIMIT: i32 = UNIT / 2;
-        let half = lost.0.clamp(-2 * LIMIT + 2, 2 * LIMIT - 2) << 5;
-        let damped = nearest_upper(gained.0, half);
-        let back = if SQUARE { nearest_upper(damped, half) } else { 0 };
-        self + Fixed(gained.0.saturating_sub(damped - back))
-    }
-    #[inline(always)]
-    fn along(self, direction: Fixed) -> Fixed {
-        if direction.0 < 0 { -self } else { self }
-    }
-    /// A large constant's product stops up to 2¹⁶ steps before the last one.
-    #[inline(always)]
-    fn is_at_limit(self) -> bool {
-        const LIMIT: i32 = i32::MAX - (1 << 16);
-        self.0 > LIMIT || self.0 < -LIMIT
-    }
-    fn from_small(value: u8) -> Fixed {
-        Fixed(i32::from(value).saturating_mul(UNIT))
-    }
-    #[inline(always)]
-    fn from_turn_counts(counts: i32) -> Fixed {
-        Fixed(counts >> (32 - PLACES))
-    }
     #[inline(always)]
     fn sin_turns(self) -> Fixed {
         let p = self * (Fixed::HALF - self.abs());
@@ -369,6 +287,15 @@ impl Scalar for Fixed {
         }
         let quarter = p * sum;
         quarter + quarter + quarter + quarter
+    }
+}
+
+impl Turns for Fixed {
+    counted!();
+
+    #[inline(always)]
+    fn from_turn_counts(counts: i32) -> Fixed {
+        Fixed(counts >> (32 - PLACES))
     }
     #[inline(always)]
     fn split_turns(self) -> (i32, Fixed) {
@@ -407,6 +334,106 @@ impl Scalar for Fixed {
         Fixed(moved.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32)
     }
 }
+
+impl Deflection for Fixed {
+    #[inline(always)]
+    fn drifted(self, lost: Fixed, change: Fixed, gain: Gain) -> (Fixed, Fixed) {
+        let moved = gain.exactly(change);
+        let (low, carry) = (lost.0 as u32).overflowing_add(moved as u32);
+        (self + Fixed((moved >> 32) as i32 + i32::from(carry)), Fixed(low as i32))
+    }
+}
+
+impl Stribeck for Fixed {
+    const SQUARE: f64 = 1.0;
+
+    /// The exponential from a table of its values at eighths, with straight lines between: an error of
+    /// 5e-4 at most; zero from 16 on.
+    #[inline(always)]
+    fn stribeck(self, beta: Fixed) -> (Fixed, Fixed) {
+        let excess = beta.nearest(interpolated(self.0));
+        let level = Fixed::ONE + excess;
+        (excess.share(level), level)
+    }
+}
+
+impl Relaxation for Fixed {
+    const REACH: f64 = 1.0;
+    const PER_REACH: Fixed = Fixed(UNIT);
+    const RELAXING: [Fixed; 2] = [Fixed(UNIT), Fixed(UNIT / 2)];
+    const SIXTH: Fixed = Fixed((UNIT + 3) / 6);
+    const ELEVEN_TWELFTHS: Fixed = Fixed(UNIT - (UNIT + 6) / 12);
+
+    #[inline(always)]
+    fn reached(self, gain: Gain, lost: Fixed) -> (Fixed, Fixed) {
+        let (reach, rest) = if gain.power == 0 {
+            let product = i64::from(self.0) * i64::from(gain.mantissa);
+            (from_place::<16>(product), (product as u32) << 16)
+        } else {
+            let moved = gain.exactly(self);
+            ((moved >> 32) as i32, moved as u32)
+        };
+        let (low, carry) = (lost.0 as u32).overflowing_add(rest);
+        (Fixed(reach.saturating_add(i32::from(carry))), Fixed(low as i32))
+    }
+    /// As a share of the way to the slip value, since the quotient's parts would leave the range. From
+    /// a reach of 4.5 on, where 1 % of the way is left, the bristle is there.
+    #[inline(always)]
+    fn relaxed(self, reach: Fixed, rho: Fixed, level: Fixed) -> Fixed {
+        const LIMIT: i32 = 9 * (UNIT / 2);
+        const SIXTH_OF_WORD: i32 = 715_827_883;
+        let x = reach.abs().nearest(rho).0;
+        let x = if x < LIMIT { x } else { LIMIT };
+        // x + x² (½ + x/6): x in steps of 2⁻²⁸, the half and the square's half of 2⁻²⁸ and 2⁻²⁴.
+        let fine = x << 2;
+        let bent = upper(fine, (1 << 27) + upper(fine, SIXTH_OF_WORD));
+        let series = x + (upper(fine, bent << 4) << 2);
+        let (lead, r) = of_one_or_more::<2>(UNIT.saturating_add(series));
+        // In steps of 2⁻³⁰.
+        let share = upper(series << lead, r) << 2;
+        let share = if x < LIMIT { share } else { 1 << 30 };
+        let way = level.along(reach).0.saturating_sub(self.0).clamp(-8 * UNIT + 1, 8 * UNIT - 1);
+        // To the nearest: rounded down, a bristle in stick would creep.
+        self + Fixed(nearest_upper(way << 2, share))
+    }
+    /// The sum of fixed point loses nothing.
+    #[inline(always)]
+    fn relaxed_exactly(
+        self,
+        lost: Fixed,
+        reach: Fixed,
+        rho: Fixed,
+        level: Fixed,
+    ) -> (Fixed, Fixed) {
+        (self.relaxed(reach, rho, level), lost)
+    }
+    #[inline(always)]
+    fn swing(self) -> Fixed {
+        Fixed((self.0 + 8) >> 4)
+    }
+}
+
+impl Damped for Fixed {
+    #[inline(always)]
+    fn settled(self) -> Fixed {
+        Fixed(self.0 - self.0.signum())
+    }
+    /// By products with the share that is lost, in steps of 2⁻³²; a share stops at a half.
+    #[inline(always)]
+    fn kicked<const SQUARE: bool>(self, gained: Fixed, lost: Fixed) -> Fixed {
+        const LIMIT: i32 = UNIT / 2;
+        let half = lost.0.clamp(-2 * LIMIT + 2, 2 * LIMIT - 2) << 5;
+        let damped = nearest_upper(gained.0, half);
+        let back = if SQUARE { nearest_upper(damped, half) } else { 0 };
+        self + Fixed(gained.0.saturating_sub(damped - back))
+    }
+    #[inline(always)]
+    fn risen(self, _began: Fixed, _lost: Fixed) -> Fixed {
+        self
+    }
+}
+
+impl Wide for Fixed {}
 
 /// A long number times a constant; not for the plain step.
 fn scaled(value: i64, gain: Gain) -> i128 {

@@ -37,7 +37,7 @@ pub(super) fn interpolated(square: i32) -> Fixed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scalar::Scalar;
+    use crate::number::Number;
 
     #[test]
     fn straight_lines_keep_their_stated_error() {

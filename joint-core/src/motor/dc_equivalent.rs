@@ -5,17 +5,10 @@
 //! to 10⁶ times a second, so it is carried exactly at constant voltage and linearly changing speed;
 //! the rotor takes the impulse of that current, implicitly in its own new speed.
 
+use crate::batch::batch;
 use crate::params::Motor;
 use crate::scalar::Scalar;
-
-/// Which quantity the drive imposes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drive {
-    /// The voltage on the two conducting phases; the current follows.
-    Voltage,
-    /// The current itself, as in a drive in torque mode.
-    Current,
-}
+use crate::settings::Drive;
 
 /// Constants of one kick of the rotor and its winding, per-unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +34,8 @@ pub(crate) struct RotorKick<S: Scalar> {
     /// Current that a speed's back-EMF drives, at rest of the current.
     back_emf: S::Gain,
 }
+
+batch!(RotorKick<Scalar>: per_torque, per_excess, per_drive, induced, decay, approach, after, before, mean, back_emf);
 
 /// A change of the current over a kick.
 #[derive(Clone, Copy, Debug)]
