@@ -273,3 +273,30 @@ pub fn validate(effects: &[EffectParameters], stages: usize) -> Result<(), Param
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::{Motor, Stage};
+
+    #[test]
+    fn every_spec_says_of_its_law_whether_it_remembers_and_where_it_acts() {
+        let stages = [Stage { reduction: 8.0, ..Stage::default() }; 2];
+        let motor = Motor { torque_constant_nm_per_a: 1.0, ..Motor::default() };
+        let bases = Bases::si(&motor, &stages);
+        for kind in Kind::ALL {
+            let (name, spec) = (kind.spec().kind, kind.spec());
+            let law = Effect::<f64>::new(&EffectParameters::example(*kind), &bases, 0);
+            let Some(law) = law else { panic!("{name}: there is no place for its example") };
+            let remembers = law!(&law, law => Effects::<f64>::has_memory(law));
+            assert_eq!(remembers, spec.remembers, "{name}: `remembers` of its spec");
+            let of_a_sensor = |place: &Location| {
+                use Location::{CurrentSensor, Encoder, OutputEncoder};
+                matches!(place, CurrentSensor | Encoder | OutputEncoder)
+            };
+            let mut places = spec.locations.iter();
+            let same = places.all(|place| of_a_sensor(place) == spec.is_of_a_sensor());
+            assert!(same, "{name}: a sensor's law sits at sensors alone");
+        }
+    }
+}

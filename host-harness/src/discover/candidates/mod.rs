@@ -39,3 +39,33 @@ pub fn proposed(scene: &Scene<'_>, withdrawn: &[Kind]) -> Vec<Hypothesis> {
     let all = CARDS.par_iter().flat_map_iter(|(_, card)| (card.propose)(scene));
     all.filter(|hypothesis| !withdrawn.contains(&hypothesis.start.kind)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::score_test::ScoreTest;
+    use super::super::trial;
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::fit::Problem;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn every_card_proposes_its_own_kind_and_no_other() {
+        let nominal = actuator();
+        let record = Record::new(&trial::log(&nominal, trial::line(42.0), 8.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let base = trial::fitted(&problem, &nominal, &[]);
+        let test = ScoreTest::new(problem, &base.origin, &base.fit, 1).unwrap();
+        let scene = Scene::new(&base.fit.model, &record, &test);
+        for &kind in Kind::ALL {
+            let (name, proposed) = (kind.spec().kind, (card(kind).propose)(&scene));
+            assert_eq!(CARDS[kind as usize].0, kind, "{name}: its card stands in another's place");
+            assert!(!proposed.is_empty(), "{name}: its card proposes nothing");
+            let foreign = proposed.iter().find(|hypothesis| hypothesis.start.kind != kind);
+            assert!(foreign.is_none(), "{name}: its card proposes {foreign:?}");
+            let free = proposed.iter().all(|hypothesis| !hypothesis.free.is_empty());
+            assert!(free, "{name}: its card leaves nothing free");
+        }
+    }
+}
