@@ -214,7 +214,7 @@ fn the_recipe_for_an_effect_is_two_files_and_a_row_and_discover_names_it() {
         .env("CARGO_BUILD_BUILD_DIR", built.canonicalize().unwrap())
         .env("CARGO_TARGET_DIR", folder.join("target"))
         .env("CARGO_INCREMENTAL", "0")
-        // Compiling is most of the time: less optimised it is half of it, and the search runs well enough.
+        // Compiling takes most of the time, and the search is fast enough with less of it.
         .args(["--config", "profile.test.package.host-harness.opt-level=1"])
         .args(["--config", "profile.test.package.host-harness.debug=false"])
         .args(["test", "--locked", "--workspace", "--test", "effects", "--test", "docs"]));
@@ -237,7 +237,7 @@ fn the_recipe_for_an_effect_is_two_files_and_a_row_and_discover_names_it() {
     fs::write(folder.join("log.csv"), measured(&simulated)).unwrap();
     let discover = ["discover", "--model", "nominal.toml", "--log", "log.csv"];
     let verdict = |out: &str, more: &[&str]| -> serde_json::Value {
-        println!("{}", joint(&[&discover, &["--out", out], more].concat()));
+        println!("{}", joint(&[&discover[..], &["--out", out], more].concat()));
         let verdict = fs::read_to_string(folder.join(out).join("verdict.json")).unwrap();
         serde_json::from_str(&verdict).unwrap()
     };
