@@ -8,6 +8,7 @@ use joint_core::effect::{Kind, ParameterSpec};
 use joint_core::params::Location;
 
 const MODEL: &str = include_str!("../../docs/model-format.md");
+const EQUATIONS: &str = include_str!("../../docs/model.md");
 const LOG: &str = include_str!("../../docs/log-format.md");
 
 #[test]
@@ -34,6 +35,29 @@ fn every_effect_stands_in_the_table_of_effects() {
         let row =
             format!("| `{}` | {} | {} |", spec.kind, places.join(", "), parameters.join(", "));
         assert!(MODEL.contains(&row), "docs/model-format.md lacks the row\n{row}");
+    }
+}
+
+#[test]
+fn every_effect_stands_with_its_equation_in_the_table_of_equations() {
+    for kind in Kind::ALL {
+        let spec = kind.spec();
+        let start = format!("| `{}` |", spec.kind);
+        let Some(row) = EQUATIONS.lines().find(|line| line.starts_with(&start)) else {
+            panic!("docs/model.md lacks a row for {}", spec.kind)
+        };
+        let places = row.split('|').nth(2).unwrap_or_default();
+        for place in spec.locations {
+            let place = match place {
+                Location::Stage(_) => "stage".to_owned(),
+                place => place.to_string(),
+            };
+            assert!(places.contains(&place), "docs/model.md, {}: {place}", spec.kind);
+        }
+        for parameter in spec.parameters {
+            let key = format!("`{}`", parameter.key);
+            assert!(row.contains(&key), "docs/model.md, {}: {key}", spec.kind);
+        }
     }
 }
 

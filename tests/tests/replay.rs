@@ -90,20 +90,8 @@ fn a_two_stage_joint_gives_the_same_bits_on_every_board() {
 #[test]
 fn every_effect_acts_and_gives_the_same_bits_on_every_board() {
     for &kind in Kind::ALL {
-        // The first place an effect may have; its stages begin at 1.
-        let place = match kind.spec().locations[0] {
-            Location::Stage(_) => Location::Stage(1),
-            place => place,
-        };
-        let mut effect = EffectParameters::new(kind, place);
-        for spec in kind.spec().parameters {
-            if let Some((_, value)) = SIZES.iter().find(|(key, _)| *key == spec.key) {
-                effect = effect.with(spec.key, *value);
-            } else if spec.default.is_none() {
-                effect = effect.with(spec.key, 0.1_f64.clamp(spec.low, spec.high));
-            }
-        }
-        let drive = match place {
+        let effect = EffectParameters::example(kind);
+        let drive = match effect.location {
             // What an encoder shows wrong does not move the joint.
             Location::Encoder | Location::OutputEncoder => continue,
             Location::CurrentSensor => Drive::Current,
@@ -119,25 +107,6 @@ fn every_effect_acts_and_gives_the_same_bits_on_every_board() {
         assert_same_bits(name, &joint);
     }
 }
-
-/// Values that fit the micromotor.
-const SIZES: &[(&str, f64)] = &[
-    ("amplitude_nm", 1e-5),
-    ("asymmetry", 0.2),
-    ("coefficient_nm_s2", 1e-12),
-    ("cubic_stiffness_nm_per_rad3", 1e6),
-    ("current_a", 0.4),
-    ("hysteresis_nm", 1e-3),
-    ("bus_voltage_v", 6.0),
-    ("offset_a", 0.01),
-    ("order", 6.0),
-    ("second_amplitude_nm", 3e-6),
-    ("reference_current_a", 0.07),
-    ("reference_speed_rad_per_s", 1500.0),
-    ("softening_a", 0.01),
-    ("viscous_asymmetry", -0.1),
-    ("width_rad", 0.01),
-];
 
 #[test]
 fn a_direct_drive_with_an_imposed_current_gives_the_same_bits_on_every_board() {

@@ -19,7 +19,7 @@ mod on_board {
     use joint_core::friction::Stribeck;
     use joint_core::joint::{Drive, Joint, Method, Settings};
     use joint_core::number::Number;
-    use joint_core::params::{Load, Location, Stage};
+    use joint_core::params::{Load, Stage};
     use joint_core::scalar::{Real, Scalar};
     use micromath::F32Ext;
     use semihosting::println;
@@ -93,57 +93,6 @@ mod on_board {
     const STAGE: Stage =
         stage(8.0, 1e-8, [1.0, 0.0], friction([1.5, 6e-6, 2e-8], [8e-5, 4e-5, 0.6]));
 
-    type Sized = (Kind, Location, &'static [(&'static str, f64)]);
-
-    const EFFECTS: [Sized; 18] = [
-        (Kind::Cogging, Location::Motor, &[("order", 6.0), ("amplitude_nm", 8e-6)]),
-        (Kind::Gravity, Location::Output, &[("amplitude_nm", 5e-3)]),
-        (
-            Kind::Coating,
-            Location::Output,
-            &[("stiffness_nm_per_rad", 0.06), ("hysteresis_nm", 6e-3)],
-        ),
-        (Kind::QuadraticDrag, Location::Motor, &[("coefficient_nm_s2", 2e-12)]),
-        (Kind::TorqueRipple, Location::Motor, &[("relative_amplitude", 0.1), ("order", 6.0)]),
-        (Kind::TorqueSaturation, Location::Motor, &[("current_a", 0.4)]),
-        (Kind::Backlash, Location::Stage(2), &[("width_rad", 2e-4)]),
-        (Kind::TransmissionError, Location::Stage(2), &[("amplitude_rad", 3e-4), ("order", 2.0)]),
-        (Kind::HardeningStiffness, Location::Stage(2), &[("cubic_stiffness_nm_per_rad3", 1e4)]),
-        (
-            Kind::StructuralHysteresis,
-            Location::Stage(2),
-            &[("amplitude_nm", 4e-3), ("width_rad", 2e-3)],
-        ),
-        (Kind::AsymmetricFriction, Location::Motor, &[("asymmetry", 0.25)]),
-        (Kind::LoadDependentFriction, Location::Stage(2), &[("coefficient", 0.15)]),
-        (
-            Kind::PositionDependentFriction,
-            Location::Stage(2),
-            &[("relative_amplitude", 0.5), ("order", 24.0)],
-        ),
-        (
-            Kind::LubricantWarming,
-            Location::Motor,
-            &[
-                ("relative_fall", 0.6),
-                ("time_constant_s", 0.05),
-                ("reference_speed_rad_per_s", 1500.0),
-            ],
-        ),
-        (Kind::DeadTime, Location::Inverter, &[("voltage_v", 0.15), ("softening_a", 3e-3)]),
-        (
-            Kind::SupplySag,
-            Location::Inverter,
-            &[("source_resistance_ohm", 1.0), ("bus_voltage_v", 6.0)],
-        ),
-        (
-            Kind::WindingHeating,
-            Location::Motor,
-            &[("relative_rise", 0.25), ("time_constant_s", 0.05), ("reference_current_a", 0.07)],
-        ),
-        (Kind::CurrentOffset, Location::CurrentSensor, &[("offset_a", 0.01)]),
-    ];
-
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let counter = InstructionCounter::start();
@@ -157,8 +106,9 @@ mod on_board {
         println!("implicit_1={}", whole::<f32>(&counter, Method::Implicit, 1));
         println!("implicit_2={}", whole::<f32>(&counter, Method::Implicit, 2));
         println!("effects_none={}", effect(&counter, None));
-        for sized in &EFFECTS {
-            println!("effect_{}={}", sized.0.spec().kind, effect(&counter, Some(sized)));
+        for kind in Kind::ALL {
+            let example = EffectParameters::example(*kind);
+            println!("effect_{}={}", kind.spec().kind, effect(&counter, Some(example)));
         }
         println!("explicit_rates={}", explicit(&counter));
         board::finish(Ok(()))
@@ -210,11 +160,7 @@ mod on_board {
             .map_or(0, |joint| most(counter, &joint))
     }
 
-    fn effect(counter: &InstructionCounter, sized: Option<&Sized>) -> u32 {
-        let effects = sized.map(|(kind, location, values)| {
-            let bare = EffectParameters::new(*kind, *location);
-            values.iter().fold(bare, |effect, (key, value)| effect.with(key, *value))
-        });
+    fn effect(counter: &InstructionCounter, effects: Option<EffectParameters>) -> u32 {
         let settings = Settings { effects: effects.as_slice(), ..settings() };
         let stages = [STAGE; 2];
         let joint =

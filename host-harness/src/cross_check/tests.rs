@@ -36,68 +36,10 @@ fn the_step_converges_to_the_reference_across_reversals() {
     assert!(fine < 0.2 * coarse && fine < 2e-3, "{coarse} then {fine}");
 }
 
-/// Sizes that matter on the micromotor without stopping it.
-fn effect(kind: Kind) -> EffectParameters {
-    let at = |location| EffectParameters::new(kind, location);
-    match kind {
-        Kind::Cogging => at(Location::Motor)
-            .with("order", 6.0)
-            .with("amplitude_nm", 8e-6)
-            .with("second_amplitude_nm", 2e-6),
-        Kind::LoadDependentFriction => at(Location::Stage(2)).with("coefficient", 0.15),
-        Kind::AsymmetricFriction => {
-            at(Location::Motor).with("asymmetry", 0.25).with("viscous_asymmetry", 0.3)
-        }
-        Kind::Backlash => at(Location::Stage(2)).with("width_rad", 2e-4),
-        Kind::Gravity => at(Location::Output).with("amplitude_nm", 5e-3).with("phase_rad", 0.4),
-        Kind::DeadTime => at(Location::Inverter).with("voltage_v", 0.15).with("softening_a", 3e-3),
-        Kind::CurrentOffset => at(Location::CurrentSensor).with("offset_a", 0.01),
-        Kind::TorqueRipple => at(Location::Motor)
-            .with("relative_amplitude", 0.1)
-            .with("order", 6.0)
-            .with("phase_rad", 0.3),
-        Kind::TorqueSaturation => at(Location::Motor).with("current_a", 0.4),
-        Kind::QuadraticDrag => at(Location::Motor).with("coefficient_nm_s2", 2e-12),
-        Kind::TransmissionError => at(Location::Stage(2))
-            .with("amplitude_rad", 3e-4)
-            .with("order", 2.0)
-            .with("phase_rad", 0.3),
-        Kind::HardeningStiffness => {
-            let stiffness = paper().stages[1].stiffness_nm_per_rad;
-            at(Location::Stage(2)).with("cubic_stiffness_nm_per_rad3", 1e4 * stiffness)
-        }
-        Kind::StructuralHysteresis => {
-            at(Location::Stage(2)).with("amplitude_nm", 4e-3).with("width_rad", 2e-3)
-        }
-        Kind::PositionDependentFriction => {
-            at(Location::Stage(2)).with("relative_amplitude", 0.5).with("order", 24.0)
-        }
-        Kind::Coating => at(Location::Output)
-            .with("stiffness_nm_per_rad", 0.06)
-            .with("hysteresis_nm", 6e-3)
-            .with("cubic_stiffness_nm_per_rad3", 0.1),
-        Kind::SupplySag => {
-            at(Location::Inverter).with("source_resistance_ohm", 1.0).with("bus_voltage_v", 6.0)
-        }
-        Kind::WindingHeating => at(Location::Motor)
-            .with("relative_rise", 0.25)
-            .with("time_constant_s", 0.05)
-            .with("reference_current_a", 0.07),
-        Kind::LubricantWarming => at(Location::Motor)
-            .with("relative_fall", 0.6)
-            .with("time_constant_s", 0.05)
-            .with("reference_speed_rad_per_s", 1500.0),
-        Kind::EncoderEccentricity => at(Location::Encoder).with("amplitude_rad", 0.02),
-        Kind::CurrentGain => at(Location::CurrentSensor).with("relative_gain", 0.1),
-        Kind::SensorDelay => at(Location::Encoder).with("delay_s", 4e-4),
-        _ => panic!("no size is stated here for {}", kind.spec().kind),
-    }
-}
-
 #[test]
 fn every_effect_is_the_same_in_the_step_and_in_the_reference() {
     for kind in Kind::ALL {
-        let model = Model { effects: vec![effect(*kind)], ..paper() };
+        let model = Model { effects: vec![EffectParameters::example(*kind)], ..paper() };
         let name = kind.spec().kind;
         let loaded = worst(&errors(&model, &ALL[2], ScalarKind::F64, 50e-6));
         assert!(loaded < 0.02, "{name} on a running joint: {loaded}");

@@ -222,6 +222,7 @@ pub fn discover_without(
         after: shown(&record, &innovations_after),
         push: disagreement.push,
         shape: disagreement.shape,
+        along_effects: disagreement.along_effects,
         orders: orders.iter().map(|order| [*order, f64::NAN, f64::NAN]).collect(),
         parameters: parameter_rows(nominal, before, after, &covariance),
         scores: found.scores.clone(),

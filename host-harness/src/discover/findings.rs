@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use joint_core::effect::Kind;
 use serde::Serialize;
 
 use super::experiment::Experiment;
@@ -206,6 +207,8 @@ pub struct Findings {
     pub push: Push,
     /// What the push follows.
     pub shape: Shape,
+    /// The push against what the effects found vary with, where that is something else.
+    pub along_effects: Vec<(Kind, Shape)>,
     /// Amplitude of the push by order of the motor angle: order, before, after.
     pub orders: Vec<[f64; 3]>,
     /// Parameters.

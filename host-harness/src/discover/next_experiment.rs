@@ -3,6 +3,7 @@
 use joint_core::effect::Kind;
 use joint_core::params::Location;
 
+use super::candidates::card;
 use super::findings::Answer;
 
 /// Advice in a sentence; `blind` where there are stages that no sensor looks behind, `constant` where a
@@ -16,14 +17,14 @@ pub fn advice(
     equation: &str,
 ) -> String {
     if let (true, Some((Kind::Gravity, _))) = (constant, names.first()) {
-        return format!("gravity or a constant torque: {}", separating(Kind::Gravity));
+        return format!("gravity or a constant torque: {}", card(Kind::Gravity).experiment);
     }
     if let (Some(name), Some(rival)) = (names.first(), close_rival) {
         return format!(
             "{} or {}: {}",
             super::search::title(*name),
             super::search::title(rival),
-            separating(rival.0)
+            card(rival.0).experiment
         );
     }
     match answer {
@@ -32,7 +33,7 @@ pub fn advice(
              full turn of the output"
             .to_owned(),
         Answer::Effect => match names.first() {
-            Some((kind, _)) => format!("to confirm: {}", separating(*kind)),
+            Some((kind, _)) => format!("to confirm: {}", card(*kind).experiment),
             None => String::new(),
         },
         Answer::Unknown if blind => format!(
@@ -44,23 +45,6 @@ pub fn advice(
              in both directions, at two loads, and at a high constant speed, to see whether it \
              follows angle, speed, load or time"
         ),
-    }
-}
-
-fn separating(kind: Kind) -> &'static str {
-    match kind {
-        Kind::AsymmetricFriction => {
-            "run at equal speeds in both directions at several output angles; read the current at rest"
-        }
-        Kind::Backlash => "repeat a small reversal with and without a constant load on the output",
-        Kind::Cogging => "scan slowly through a turn at two loads, in both directions",
-        Kind::CurrentOffset => "read the current sensor with the bridge off",
-        Kind::DeadTime => "hold the rotor and step the voltage through a staircase around zero",
-        Kind::Gravity => "turn the mount by a quarter, or move slowly through a full output turn",
-        Kind::LoadDependentFriction => {
-            "drive and brake at constant speed against two loads, in both directions"
-        }
-        _ => "repeat slowly in both directions and at two loads",
     }
 }
 

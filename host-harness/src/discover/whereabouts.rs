@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
+use super::candidates::card;
 use super::findings::{Push, Shape, Whereabouts};
 use super::search::Stage;
 use crate::estimate::filter::{Equation, Linearisation, Noise, Observer, Run, Walk};
@@ -17,6 +18,7 @@ use crate::estimate::record::Channel;
 use crate::estimate::refit::cost;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, output_shaft, plant};
+use joint_core::effect::Kind;
 use joint_core::joint::Drive;
 
 /// How fast pushes wander: share of their scale per root second.
@@ -40,6 +42,8 @@ pub struct Disagreement {
     pub push: Push,
     /// The push against what it follows.
     pub shape: Shape,
+    /// The push against what the effects vary with that were added, where that is something else.
+    pub along_effects: Vec<(Kind, Shape)>,
 }
 
 /// Looks for where a model disagrees with a record, and how a better one does there; `along_lines`
@@ -88,12 +92,29 @@ pub fn locate(
     };
     let whereabouts = Whereabouts {
         equation: equation.clone(),
-        varies_with: varies_with.split(" (").next().unwrap_or_default().to_owned(),
+        varies_with: column_of(&varies_with).to_owned(),
         orders: orders.to_vec(),
         explained,
     };
+    let mut along_effects: Vec<(Kind, Shape)> = Vec::new();
+    for effect in after.effects.iter().skip(before.effects.len()) {
+        let column = card(effect.kind).axis.column(before.stages.len());
+        let own = coordinates.iter().find(|(name, _)| column_of(name) == column);
+        let new = column != whereabouts.varies_with
+            && along_effects.iter().all(|(_, shape)| column_of(&shape.coordinate) != column);
+        if let Some((name, values)) = own.filter(|_| new)
+            && let Some((_, shape)) = binned(name, values, &series, &series_after)
+        {
+            along_effects.push((effect.kind, shape));
+        }
+    }
     let push = Push { equation, unit, before: series, after: series_after };
-    Ok(Disagreement { whereabouts, push, shape })
+    Ok(Disagreement { whereabouts, push, shape, along_effects })
+}
+
+/// The column that a coordinate is of.
+fn column_of(coordinate: &str) -> &str {
+    coordinate.split(" (").next().unwrap_or_default()
 }
 
 fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {

@@ -18,7 +18,6 @@ use crate::estimate::late::Late;
 use crate::estimate::pass::Pass;
 use crate::estimate::record::{CHANNELS, Channel, Motion, Record, caught};
 use crate::estimate::scales::{Known, Scales};
-use crate::estimate::slopes::is_of_a_sensor;
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
 
@@ -52,7 +51,7 @@ impl<'a> Observer<'a> {
         let known = Known::of(model);
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
-        let sensor_errors = model.effects.iter().any(|effect| is_of_a_sensor(effect.kind));
+        let sensor_errors = model.effects.iter().any(|effect| effect.kind.is_of_a_sensor());
         let idle = Vec::new();
         Self { plant, record, layout, shaft, inertia, known, late, sensor_errors, idle }
     }

@@ -3,7 +3,6 @@
 
 use std::borrow::Cow;
 
-use joint_core::effect::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinate;
@@ -12,14 +11,6 @@ use super::fit::Problem;
 use super::record::CHANNELS;
 use crate::model::Model;
 use crate::plant::plant;
-
-/// Whether a law concerns what a sensor shows, not what the joint does.
-pub(super) fn is_of_a_sensor(kind: Kind) -> bool {
-    matches!(
-        kind,
-        Kind::EncoderEccentricity | Kind::SensorDelay | Kind::CurrentOffset | Kind::CurrentGain
-    )
-}
 
 /// Step in a coordinate that is short beside everything in the joint.
 const SHORT: f64 = 1e-6;
@@ -112,7 +103,7 @@ impl Problem<'_> {
 
     /// Whether a coordinate moves the joint's constants and nothing else, and those smoothly.
     fn is_smooth(&self, model: &Model, coordinate: &Coordinate) -> bool {
-        if coordinate.effect().is_some_and(|e| is_of_a_sensor(model.effects[e].kind)) {
+        if coordinate.effect().is_some_and(|e| model.effects[e].kind.is_of_a_sensor()) {
             return false;
         }
         let plant = |model: &Model| plant(model, &self.record.grid, self.record.drive).ok();
@@ -131,7 +122,7 @@ impl Problem<'_> {
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::EffectParameters;
+    use joint_core::effect::{EffectParameters, Kind};
     use joint_core::params::Location;
 
     use super::*;

@@ -6,7 +6,7 @@ use super::plot::{Mark, Plot, Series};
 use super::series::bands;
 use super::text::{escape, number};
 use super::{answer, csv, gap, tables};
-use crate::discover::findings::Findings;
+use crate::discover::findings::{Findings, Shape};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -73,16 +73,12 @@ fn whereabouts(page: &mut String, findings: &Findings) {
          push is what the log asks to be added to that equation, wandering freely.</p>{LEGEND}</p>",
         answer::place(&findings.verdict.whereabouts)
     );
-    Plot {
-        title: &format!("Push on the {equation} against {}", shape.coordinate),
-        across: &shape.coordinate,
-        up: &up,
-        height: 190.0,
-        mark: Mark::Dots,
-        bands: &[],
-        series: &pair(&shape.centres, &shape.before, &shape.after),
+    against(page, &format!("Push on the {equation} against {}", shape.coordinate), &up, shape);
+    for (kind, shape) in &findings.along_effects {
+        let (axis, kind) = (&shape.coordinate, kind.spec().kind);
+        let title = format!("Push on the {equation} against {axis}, with which {kind} varies");
+        against(page, &title, &up, shape);
     }
-    .draw(page);
     Plot {
         title: &format!("Push on the {equation} along the log"),
         across: "t, s",
@@ -94,6 +90,19 @@ fn whereabouts(page: &mut String, findings: &Findings) {
     }
     .draw(page);
     orders(page, findings, &up);
+}
+
+fn against(page: &mut String, title: &str, up: &str, shape: &Shape) {
+    Plot {
+        title,
+        across: &shape.coordinate,
+        up,
+        height: 190.0,
+        mark: Mark::Dots,
+        bands: &[],
+        series: &pair(&shape.centres, &shape.before, &shape.after),
+    }
+    .draw(page);
 }
 
 fn orders(page: &mut String, findings: &Findings, up: &str) {

@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
+use joint_core::effect::Kind;
+
 use super::text::{digits, escape, number, per_cent, with_sigma};
+use crate::discover::candidates::card;
 use crate::discover::findings::{Findings, Named, NoiseRow, ParameterRow, ScoreRow};
 
 /// Hypotheses of a round that stand on the page at once; the others are folded away.
@@ -54,6 +57,17 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
         }
     }
     page.push_str("</table>\n");
+    for (name, kind) in effects.iter().filter_map(|e| Some((&e.kind, Kind::from_name(&e.kind)?))) {
+        let card = card(kind);
+        let _ = writeln!(
+            page,
+            "<p class=note><b>{}</b>: {}. It shows in {}, against {}.</p>",
+            escape(name),
+            escape(card.words),
+            card.residual.words(),
+            card.axis.words()
+        );
+    }
 }
 
 /// What was tried, by round, the best first.

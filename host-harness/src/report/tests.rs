@@ -1,9 +1,21 @@
 use std::collections::BTreeMap;
 
+use joint_core::effect::Kind;
+
 use super::{html, residuals_csv};
 use crate::demo::actuator;
+use crate::discover::candidates::card;
 use crate::discover::findings::*;
 use crate::discover::gate::Remainder;
+
+fn shape(height: f64) -> Shape {
+    Shape {
+        coordinate: "motor_angle_rad".into(),
+        centres: vec![0.0, 1.0, 2.0],
+        before: vec![0.0, height, 0.5],
+        after: vec![0.0, f64::NAN, 0.1],
+    }
+}
 
 fn findings(samples: usize) -> Findings {
     let time_s: Vec<f64> = (0..samples).map(|k| k as f64 * 1e-4).collect();
@@ -60,12 +72,11 @@ fn findings(samples: usize) -> Findings {
             before: wave(1.0),
             after: wave(0.1),
         },
-        shape: Shape {
-            coordinate: "motor_angle_rad".into(),
-            centres: vec![0.0, 1.0, 2.0],
-            before: vec![0.0, 1.0, 0.5],
-            after: vec![0.0, f64::NAN, 0.1],
-        },
+        shape: shape(1.0),
+        along_effects: vec![(
+            Kind::QuadraticDrag,
+            Shape { coordinate: "motor_speed_rad_per_s".into(), ..shape(0.3) },
+        )],
         orders: vec![[42.0, f64::NAN, f64::NAN]],
         parameters: vec![ParameterRow {
             key: "motor.phase_resistance_ohm".into(),
@@ -98,6 +109,11 @@ fn the_page_says_what_was_found_escapes_what_it_shows_and_draws_no_nan() {
     for text in ["cogging", "motor", "0.97", "rotor torque", "42", "gravity", "a reason"] {
         assert!(page.contains(text), "{text}");
     }
+    let own =
+        "Push on the rotor torque against motor_speed_rad_per_s, with which quadratic-drag varies";
+    assert!(page.contains(own), "the effect is drawn against what it varies with");
+    let words = card(Kind::Cogging).words;
+    assert!(page.contains(words), "the effect found is explained: {words}");
     assert!(page.contains("scan &lt;slowly&gt; &amp; twice"));
     assert!(!page.contains("NaN") && !page.contains("inf "));
     for link in ["src=", "href=", "@import", "url("] {

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use joint_core::effect::Kind;
 use serde::{Deserialize, Serialize};
 
+use crate::discover::candidates::card;
 use crate::discover::findings::{Findings, Verdict};
 use crate::discover::gate::Remainder;
 
@@ -198,12 +199,7 @@ fn parameter_error(truth: &TrueEffect, found: &BTreeMap<String, f64>) -> Option<
     let kind = Kind::from_name(&truth.kind)?;
     let parameters = kind.spec().parameters;
     let main = parameters.iter().find(|spec| spec.key != "order" && !spec.key.contains("phase"))?;
-    let beside = match kind {
-        Kind::SupplySag => Some("bus_voltage_v"),
-        Kind::WindingHeating => Some("reference_current_a"),
-        Kind::LubricantWarming => Some("reference_speed_rad_per_s"),
-        _ => None,
-    };
+    let beside = card(kind).reference;
     let true_value = |key: &str| truth.parameters.get(key).and_then(serde_json::Value::as_f64);
     let mut wanted = true_value(main.key)?;
     let mut got = *found.get(main.key)?;

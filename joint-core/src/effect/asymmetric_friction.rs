@@ -5,7 +5,7 @@
 //! reference models of EMPS" (2019), where both parts differ.
 
 use super::hooks::{Effects, Memory, Rubbing};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -20,6 +20,8 @@ pub const SPEC: Spec = Spec {
         // Relative: the viscous coefficient is this much higher in positive direction.
         ParameterSpec { key: "viscous_asymmetry", default: Some(0.0), low: -0.95, high: 0.95 },
     ],
+    example: (Location::Motor, &[("asymmetry", 0.25), ("viscous_asymmetry", 0.3)]),
+    remembers: false,
 };
 
 /// The law for one mass.
@@ -35,6 +37,11 @@ pub struct AsymmetricFriction<S: Scalar> {
 batch!(AsymmetricFriction<Scalar>: inverse_level, viscous; mass);
 
 impl<S: Scalar> AsymmetricFriction<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.mass, place.values, place.shaft < 0.0))
+    }
+
     /// From the values of [`SPEC`]; `reversed` where the mass turns against the motor.
     pub fn new(mass: u8, values: &[f64], reversed: bool) -> Self {
         let sign = if reversed { -1.0 } else { 1.0 };

@@ -5,7 +5,7 @@
 //! (Automatica, 2002).
 
 use super::hooks::{Effects, Felt};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::Angle;
 use crate::params::Location;
@@ -17,6 +17,8 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::Stage(0)],
     // Total width of the dead zone at the stage's output, rad.
     parameters: &[ParameterSpec { key: "width_rad", default: None, low: 0.0, high: 1.0 }],
+    example: (Location::Stage(2), &[("width_rad", 2e-4)]),
+    remembers: false,
 };
 
 /// The law for one stage.
@@ -31,6 +33,11 @@ pub struct Backlash<S: Scalar> {
 batch!(Backlash<Scalar>: half_width; stage);
 
 impl<S: Scalar> Backlash<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.stage()?, place.values, place.angle.abs()))
+    }
+
     /// From the values of [`SPEC`]; `angle` is the unit of the stage's deflection in rad.
     pub fn new(stage: u8, values: &[f64], angle: f64) -> Self {
         let width: f64 = values.first().copied().unwrap_or(0.0);
@@ -54,9 +61,8 @@ impl<S: Scalar> Effects<S> for Backlash<S> {
         }
         let (above, below) =
             (self.half_width.below(deflection), deflection.below(-self.half_width));
-        let chosen = |above_it, below_it| {
-            S::choose(above, above_it, S::choose(below, below_it, S::ZERO))
-        };
+        let chosen =
+            |above_it, below_it| S::choose(above, above_it, S::choose(below, below_it, S::ZERO));
         Felt {
             deflection: chosen(deflection - self.half_width, deflection + self.half_width),
             contact: chosen(S::ONE, S::ONE),

@@ -6,7 +6,7 @@
 //! after Dahl.
 
 use super::hooks::{Effects, Flow, Memory, Motion, Relaxation, Relaxations, Torque, keep};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -27,6 +27,15 @@ pub const SPEC: Spec = Spec {
             high: 1e12,
         },
     ],
+    example: (
+        Location::Output,
+        &[
+            ("stiffness_nm_per_rad", 0.06),
+            ("hysteresis_nm", 6e-3),
+            ("cubic_stiffness_nm_per_rad3", 0.1),
+        ],
+    ),
+    remembers: true,
 };
 
 /// The law.
@@ -48,6 +57,11 @@ pub struct Coating<S: Scalar> {
 batch!(Coating<Scalar>: linear, cubic, loop_height, slope, cubic_slope, loop_slope, per_width; mass, slot);
 
 impl<S: Scalar> Coating<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.mass, place.slot, place.values, place.own()))
+    }
+
     /// From the values of [`SPEC`], with the units of torque (Nm) and angle (rad) at the output,
     /// and how far a unit of speed moves in half a micro-step, rad there.
     pub fn new(mass: u8, slot: u8, values: &[f64], [torque, angle, moved]: [f64; 3]) -> Self {

@@ -6,7 +6,7 @@
 //! Source: Hanselman, "Brushless Permanent Magnet Motor Design", chapter on cogging torque.
 
 use super::hooks::{Effects, Memory, Motion, Torque};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
@@ -25,6 +25,11 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "second_amplitude_nm", default: Some(0.0), low: -1e9, high: 1e9 },
         ParameterSpec { key: "second_phase_rad", default: Some(0.0), low: -1e3, high: 1e3 },
     ],
+    example: (
+        Location::Motor,
+        &[("order", 6.0), ("amplitude_nm", 8e-6), ("second_amplitude_nm", 2e-6)],
+    ),
+    remembers: false,
 };
 
 /// A torque that follows one order of an angle.
@@ -75,6 +80,11 @@ pub struct Cogging<S: Scalar> {
 batch!(Cogging<Scalar>: first, second);
 
 impl<S: Scalar> Cogging<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values, place.torque, place.angle))
+    }
+
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad).
     pub fn new(values: &[f64], torque: f64, angle: f64) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);

@@ -6,7 +6,7 @@
 //! weight or trust in the nominal tells it. Source: the tolerance of any shunt and its amplifier.
 
 use super::hooks::Effects;
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -17,6 +17,8 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::CurrentSensor],
     // g.
     parameters: &[ParameterSpec { key: "relative_gain", default: None, low: -0.9, high: 9.0 }],
+    example: (Location::CurrentSensor, &[("relative_gain", 0.1)]),
+    remembers: false,
 };
 
 /// The law.
@@ -31,6 +33,11 @@ pub struct CurrentGain<S: Scalar> {
 batch!(CurrentGain<Scalar>: shown, actual);
 
 impl<S: Scalar> CurrentGain<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values))
+    }
+
     /// From the values of [`SPEC`].
     pub fn new(values: &[f64]) -> Self {
         let factor: f64 = 1.0 + values.first().copied().unwrap_or(0.0);

@@ -4,7 +4,7 @@
 //! the input, the winding carries `i − o`. Source: the zero-current calibration of any drive.
 
 use super::hooks::Effects;
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -14,6 +14,8 @@ pub const SPEC: Spec = Spec {
     kind: "current-offset",
     locations: &[Location::CurrentSensor],
     parameters: &[ParameterSpec { key: "offset_a", default: None, low: -1e6, high: 1e6 }],
+    example: (Location::CurrentSensor, &[("offset_a", 0.01)]),
+    remembers: false,
 };
 
 /// The law.
@@ -27,6 +29,11 @@ pub struct CurrentOffset<S: Scalar> {
 batch!(CurrentOffset<Scalar>: offset);
 
 impl<S: Scalar> CurrentOffset<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values, place.current))
+    }
+
     /// From the values of [`SPEC`] and the unit of current in A.
     pub fn new(values: &[f64], current: f64) -> Self {
         let offset: f64 = values.first().copied().unwrap_or(0.0);

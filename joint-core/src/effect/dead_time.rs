@@ -8,7 +8,7 @@
 //! inverters" (1991).
 
 use super::hooks::{Effects, Memory, Winding};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -22,6 +22,8 @@ pub const SPEC: Spec = Spec {
         // i_s; zero is a sharp sign.
         ParameterSpec { key: "softening_a", default: Some(0.0), low: 0.0, high: 1e4 },
     ],
+    example: (Location::Inverter, &[("voltage_v", 0.15), ("softening_a", 3e-3)]),
+    remembers: false,
 };
 
 /// The law, with voltages as shares of 2R, that is in units of current.
@@ -37,6 +39,11 @@ pub struct DeadTime<S: Scalar> {
 batch!(DeadTime<Scalar>: drop, softening, per_softening);
 
 impl<S: Scalar> DeadTime<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values, place.resistance, place.current))
+    }
+
     /// From the values of [`SPEC`], the winding's 2R in ohm and the unit of current in A.
     pub fn new(values: &[f64], resistance: f64, current: f64) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);

@@ -4,7 +4,7 @@
 //! seen of it changes. Source: the error budget of any encoder's data sheet.
 
 use super::hooks::Effects;
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
@@ -20,6 +20,8 @@ pub const SPEC: Spec = Spec {
         // Periods per turn of the encoder.
         ParameterSpec { key: "order", default: Some(1.0), low: 0.01, high: 1e5 },
     ],
+    example: (Location::Encoder, &[("amplitude_rad", 0.02)]),
+    remembers: false,
 };
 
 /// The law for one encoder.
@@ -36,6 +38,11 @@ pub struct EncoderEccentricity<S: Scalar> {
 batch!(EncoderEccentricity<Scalar>: order, sine, cosine; output);
 
 impl<S: Scalar> EncoderEccentricity<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.behind, place.values))
+    }
+
     /// From the values of [`SPEC`].
     pub fn new(output: bool, values: &[f64]) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
@@ -69,11 +76,8 @@ mod tests {
         let law = EncoderEccentricity::<f64>::new(false, &[0.02, 0.3, 1.0]);
         for k in -10..10 {
             let q = 0.41 * f64::from(k);
-            let turns = law.encoder_error(
-                false,
-                Angle::from_turns(q / core::f64::consts::TAU),
-                0.0,
-            );
+            let turns =
+                law.encoder_error(false, Angle::from_turns(q / core::f64::consts::TAU), 0.0);
             let error = turns * core::f64::consts::TAU;
             assert!((error - 0.02 * (q + 0.3).sin()).abs() < 1e-9);
         }

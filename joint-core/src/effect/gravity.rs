@@ -5,7 +5,7 @@
 
 use super::cogging::Line;
 use super::hooks::{Effects, Memory, Motion, Torque};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -18,6 +18,8 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "amplitude_nm", default: None, low: -1e9, high: 1e9 },
         ParameterSpec { key: "phase_rad", default: Some(0.0), low: -1e3, high: 1e3 },
     ],
+    example: (Location::Output, &[("amplitude_nm", 5e-3), ("phase_rad", 0.4)]),
+    remembers: false,
 };
 
 /// The law for one mass.
@@ -32,6 +34,11 @@ pub struct Gravity<S: Scalar> {
 batch!(Gravity<Scalar>: line; mass);
 
 impl<S: Scalar> Gravity<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.mass, place.values, place.torque, place.angle))
+    }
+
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad) at the mass.
     pub fn new(mass: u8, values: &[f64], torque: f64, angle: f64) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);

@@ -3,7 +3,7 @@
 //! Source: equation (1) of the paper, for the stages whose cubic term nobody measured.
 
 use super::hooks::{Effects, Memory, Torque};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -19,6 +19,8 @@ pub const SPEC: Spec = Spec {
         low: 0.0,
         high: 1e18,
     }],
+    example: (Location::Stage(2), &[("cubic_stiffness_nm_per_rad3", 1.5e5)]),
+    remembers: false,
 };
 
 /// The law for one stage.
@@ -33,6 +35,11 @@ pub struct HardeningStiffness<S: Scalar> {
 batch!(HardeningStiffness<Scalar>: cubic; stage);
 
 impl<S: Scalar> HardeningStiffness<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.stage()?, place.values, place.torque, place.angle))
+    }
+
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad) at the
     /// stage's output.
     pub fn new(stage: u8, values: &[f64], torque: f64, angle: f64) -> Self {

@@ -6,7 +6,7 @@
 //! gear-loss models M3 to M6 of Duclusaud, Passault and others for servo actuators.
 
 use super::hooks::{Effects, Rubbing};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -17,6 +17,8 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::Motor, Location::Stage(0)],
     // μ: friction torque per transmitted torque.
     parameters: &[ParameterSpec { key: "coefficient", default: None, low: 0.0, high: 10.0 }],
+    example: (Location::Stage(2), &[("coefficient", 0.15)]),
+    remembers: false,
 };
 
 /// The law for one mass.
@@ -31,6 +33,11 @@ pub struct LoadDependentFriction<S: Scalar> {
 batch!(LoadDependentFriction<Scalar>: per_torque; mass);
 
 impl<S: Scalar> LoadDependentFriction<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.mass, place.values, place.coulomb, place.torque.abs()))
+    }
+
     /// From the values of [`SPEC`], the mass's Coulomb level and the unit of torque there, both Nm.
     pub fn new(mass: u8, values: &[f64], coulomb: f64, torque: f64) -> Self {
         let coefficient = values.first().copied().unwrap_or(0.0);

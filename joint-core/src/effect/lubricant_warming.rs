@@ -5,7 +5,7 @@
 //! load and temperature effects in robot joints" (2010), reduced to one thermal mass.
 
 use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, keep};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -24,6 +24,11 @@ pub const SPEC: Spec = Spec {
         // Of the mass itself.
         ParameterSpec { key: "reference_speed_rad_per_s", default: None, low: 1e-9, high: 1e9 },
     ],
+    example: (
+        Location::Motor,
+        &[("relative_fall", 0.6), ("time_constant_s", 0.05), ("reference_speed_rad_per_s", 1500.0)],
+    ),
+    remembers: true,
 };
 
 /// The law for one mass.
@@ -42,6 +47,11 @@ pub struct LubricantWarming<S: Scalar> {
 batch!(LubricantWarming<Scalar>: fall, per_speed, reach, least; mass, slot);
 
 impl<S: Scalar> LubricantWarming<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.mass, place.slot, place.values, place.speed, place.half_step))
+    }
+
     /// From the values of [`SPEC`], the unit of speed at the mass in rad/s and half a micro-step
     /// in s.
     pub fn new(mass: u8, slot: u8, values: &[f64], speed: f64, half_step: f64) -> Self {

@@ -2,10 +2,14 @@
 //!
 //! Each file holds one effect: its equation, where it can sit, its parameters with unit and range,
 //! and the per-unit law that both the drive's step and the host's reference call. How an effect is
-//! spotted in a log stands in the host harness, not here. To add one: a file beside these whose law
-//! implements [`Effects`], a row in the table below, and a line in [`Effect::new`].
+//! spotted in a log stands in the host harness, not here. To add one: a file beside these and a row in
+//! [`for_every_effect`](crate::for_every_effect), the table below.
+//!
+//! A file declares `SPEC` and the law, a type named as its row says: `at` builds it at an effect's
+//! place, and [`Effects`] says where it enters the step.
 
 mod hooks;
+mod place;
 pub mod worm;
 
 pub use hooks::{
@@ -16,7 +20,9 @@ pub use set::{EffectSet, MAX_EFFECTS};
 
 use crate::batch::{Batch, Numbers};
 use crate::params::{Check, Location, ParameterError, Reason, Table};
+use crate::per_unit::Bases;
 use crate::scalar::Scalar;
+use place::Place;
 
 /// Most values one effect has.
 pub const MAX_VALUES: usize = 6;
@@ -43,6 +49,54 @@ pub struct Spec {
     pub locations: &'static [Location],
     /// Its parameters, in the order of [`EffectParameters::values`].
     pub parameters: &'static [ParameterSpec],
+    /// A size that matters on a micromotor of 6 mm with two gear stages, without stopping it: its
+    /// place, and the parameters that differ from their defaults. Every effect is checked and priced
+    /// at it.
+    pub example: (Location, &'static [(&'static str, f64)]),
+    /// Whether the law has a [`Memory`].
+    pub remembers: bool,
+}
+
+impl Spec {
+    /// Whether it concerns what a sensor shows, not what the joint does.
+    pub const fn is_of_a_sensor(&self) -> bool {
+        matches!(
+            self.locations.first(),
+            Some(Location::CurrentSensor | Location::Encoder | Location::OutputEncoder)
+        )
+    }
+}
+
+/// The table of effects, a row each, handed to a macro: `for_every_effect!(declare)` calls
+/// `declare! { module::Name, … }`. Whoever keeps something for every kind declares it by this table, so
+/// that a row without it does not compile.
+#[macro_export]
+macro_rules! for_every_effect {
+    ($declare:ident) => {
+        $declare! {
+            asymmetric_friction::AsymmetricFriction,
+            backlash::Backlash,
+            coating::Coating,
+            cogging::Cogging,
+            current_gain::CurrentGain,
+            current_offset::CurrentOffset,
+            dead_time::DeadTime,
+            encoder_eccentricity::EncoderEccentricity,
+            gravity::Gravity,
+            hardening_stiffness::HardeningStiffness,
+            load_dependent_friction::LoadDependentFriction,
+            lubricant_warming::LubricantWarming,
+            position_dependent_friction::PositionDependentFriction,
+            quadratic_drag::QuadraticDrag,
+            sensor_delay::SensorDelay,
+            structural_hysteresis::StructuralHysteresis,
+            supply_sag::SupplySag,
+            torque_ripple::TorqueRipple,
+            torque_saturation::TorqueSaturation,
+            transmission_error::TransmissionError,
+            winding_heating::WindingHeating,
+        }
+    };
 }
 
 /// Declares the module, the kind and the law of every effect.
@@ -80,11 +134,16 @@ macro_rules! effects {
             Worm(worm::Worm<S>),
         }
 
-        $(impl<S: Scalar> From<$module::$name<S>> for Effect<S> {
-            fn from(law: $module::$name<S>) -> Self {
-                Self::$name(law)
+        impl<S: Scalar> Effect<S> {
+            /// The law in the units of `bases`, with its memory in `slot` if it has one; `None` where
+            /// the place does not exist.
+            pub fn new(effect: &EffectParameters, bases: &Bases<'_>, slot: u8) -> Option<Self> {
+                let place = Place::of(effect, bases, slot)?;
+                match effect.kind {
+                    $(Kind::$name => $module::$name::at(&place).map(Self::$name),)+
+                }
             }
-        })+
+        }
 
         impl<U: Scalar<Gain = U>> Batch<U> for Effect<f64> {
             type Batched = Effect<U>;
@@ -108,42 +167,19 @@ macro_rules! effects {
     };
 }
 
-effects! {
-    asymmetric_friction::AsymmetricFriction,
-    backlash::Backlash,
-    coating::Coating,
-    cogging::Cogging,
-    current_gain::CurrentGain,
-    current_offset::CurrentOffset,
-    dead_time::DeadTime,
-    encoder_eccentricity::EncoderEccentricity,
-    gravity::Gravity,
-    hardening_stiffness::HardeningStiffness,
-    load_dependent_friction::LoadDependentFriction,
-    lubricant_warming::LubricantWarming,
-    position_dependent_friction::PositionDependentFriction,
-    quadratic_drag::QuadraticDrag,
-    sensor_delay::SensorDelay,
-    structural_hysteresis::StructuralHysteresis,
-    supply_sag::SupplySag,
-    torque_ripple::TorqueRipple,
-    torque_saturation::TorqueSaturation,
-    transmission_error::TransmissionError,
-    winding_heating::WindingHeating,
-}
+for_every_effect!(effects);
 
 mod set;
 
 impl Kind {
     /// Whether the law has a [`Memory`].
     pub const fn remembers(self) -> bool {
-        matches!(
-            self,
-            Kind::Coating
-                | Kind::LubricantWarming
-                | Kind::StructuralHysteresis
-                | Kind::WindingHeating
-        )
+        self.spec().remembers
+    }
+
+    /// Whether the law concerns what a sensor shows, not what the joint does.
+    pub const fn is_of_a_sensor(self) -> bool {
+        self.spec().is_of_a_sensor()
     }
 
     /// The kind with this name in the model file.
@@ -171,6 +207,14 @@ impl EffectParameters {
             *value = spec.default.unwrap_or(0.0);
         }
         Self { kind, location, values }
+    }
+
+    /// An effect of this kind as its spec's example says: of a size that matters on a micromotor.
+    pub fn example(kind: Kind) -> Self {
+        let (location, values) = kind.spec().example;
+        values
+            .iter()
+            .fold(Self::new(kind, location), |effect, (key, value)| effect.with(key, *value))
     }
 
     /// The same effect with the parameter of this key changed; an unknown key changes nothing.
@@ -239,4 +283,31 @@ pub fn validate(effects: &[EffectParameters], stages: usize) -> Result<(), Param
         ));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::{Motor, Stage};
+
+    #[test]
+    fn every_spec_says_of_its_law_whether_it_remembers_and_where_it_acts() {
+        let stages = [Stage { reduction: 8.0, ..Stage::default() }; 2];
+        let motor = Motor { torque_constant_nm_per_a: 1.0, ..Motor::default() };
+        let bases = Bases::si(&motor, &stages);
+        for kind in Kind::ALL {
+            let (name, spec) = (kind.spec().kind, kind.spec());
+            let law = Effect::<f64>::new(&EffectParameters::example(*kind), &bases, 0);
+            let Some(law) = law else { panic!("{name}: there is no place for its example") };
+            let remembers = law!(&law, law => Effects::<f64>::has_memory(law));
+            assert_eq!(remembers, spec.remembers, "{name}: `remembers` of its spec");
+            let of_a_sensor = |place: &Location| {
+                use Location::{CurrentSensor, Encoder, OutputEncoder};
+                matches!(place, CurrentSensor | Encoder | OutputEncoder)
+            };
+            let mut places = spec.locations.iter();
+            let same = places.all(|place| of_a_sensor(place) == spec.is_of_a_sensor());
+            assert!(same, "{name}: a sensor's law sits at sensors alone");
+        }
+    }
 }

@@ -5,7 +5,7 @@
 //! (2012).
 
 use super::hooks::{Effects, Rubbing};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::Ratio;
 use crate::params::Location;
@@ -21,6 +21,8 @@ pub const SPEC: Spec = Spec {
         // Periods per turn of the mass.
         ParameterSpec { key: "order", default: None, low: 0.01, high: 1e5 },
     ],
+    example: (Location::Stage(2), &[("relative_amplitude", 0.5), ("order", 24.0)]),
+    remembers: false,
 };
 
 /// The law for one mass.
@@ -37,6 +39,11 @@ pub struct PositionDependentFriction<S: Scalar> {
 batch!(PositionDependentFriction<Scalar>: order, sine, cosine; mass);
 
 impl<S: Scalar> PositionDependentFriction<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.mass, place.values))
+    }
+
     /// From the values of [`SPEC`].
     pub fn new(mass: u8, values: &[f64]) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);

@@ -3,7 +3,7 @@
 //! Rotor torque `−c ω |ω|`. Source: windage of rotating discs, any textbook of fluid mechanics.
 
 use super::hooks::Effects;
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -13,6 +13,8 @@ pub const SPEC: Spec = Spec {
     kind: "quadratic-drag",
     locations: &[Location::Motor],
     parameters: &[ParameterSpec { key: "coefficient_nm_s2", default: None, low: 0.0, high: 1e9 }],
+    example: (Location::Motor, &[("coefficient_nm_s2", 2e-12)]),
+    remembers: false,
 };
 
 /// The law.
@@ -26,6 +28,11 @@ pub struct QuadraticDrag<S: Scalar> {
 batch!(QuadraticDrag<Scalar>: coefficient);
 
 impl<S: Scalar> QuadraticDrag<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values, place.torque, place.speed))
+    }
+
     /// From the values of [`SPEC`], the units of torque (Nm) and speed (rad/s).
     pub fn new(values: &[f64], torque: f64, speed: f64) -> Self {
         let coefficient: f64 = values.first().copied().unwrap_or(0.0);

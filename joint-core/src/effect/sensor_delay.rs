@@ -5,7 +5,7 @@
 //! different buses.
 
 use super::hooks::Effects;
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::Angle;
 use crate::params::Location;
@@ -16,6 +16,8 @@ pub const SPEC: Spec = Spec {
     kind: "sensor-delay",
     locations: &[Location::Encoder, Location::OutputEncoder],
     parameters: &[ParameterSpec { key: "delay_s", default: None, low: -1.0, high: 1.0 }],
+    example: (Location::Encoder, &[("delay_s", 4e-4)]),
+    remembers: false,
 };
 
 /// The law for one encoder.
@@ -30,6 +32,11 @@ pub struct SensorDelay<S: Scalar> {
 batch!(SensorDelay<Scalar>: turns; output);
 
 impl<S: Scalar> SensorDelay<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.behind, place.values, place.speed))
+    }
+
     /// From the values of [`SPEC`]; `speed` is the unit of speed at the encoder's shaft, rad/s.
     pub fn new(output: bool, values: &[f64], speed: f64) -> Self {
         let delay: f64 = values.first().copied().unwrap_or(0.0);

@@ -6,7 +6,7 @@
 //! drive systems" (1998); form after Dahl.
 
 use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, Torque, keep};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -20,6 +20,8 @@ pub const SPEC: Spec = Spec {
         // w, at the stage's output.
         ParameterSpec { key: "width_rad", default: None, low: 1e-9, high: 1e3 },
     ],
+    example: (Location::Stage(2), &[("amplitude_nm", 4e-3), ("width_rad", 2e-3)]),
+    remembers: true,
 };
 
 /// The law for one stage.
@@ -37,6 +39,11 @@ pub struct StructuralHysteresis<S: Scalar> {
 batch!(StructuralHysteresis<Scalar>: amplitude, slope, per_width; stage, slot);
 
 impl<S: Scalar> StructuralHysteresis<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.stage()?, place.slot, place.values, place.own()))
+    }
+
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad) at the
     /// stage's output, and how far a unit of speed moves in half a micro-step, rad there.
     pub fn new(stage: u8, slot: u8, values: &[f64], [torque, angle, moved]: [f64; 3]) -> Self {

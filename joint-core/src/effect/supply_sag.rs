@@ -5,7 +5,7 @@
 //! a bridge, Erickson and Maksimović, "Fundamentals of Power Electronics".
 
 use super::hooks::{Effects, Memory, Winding};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -18,6 +18,8 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "source_resistance_ohm", default: None, low: 0.0, high: 1e6 },
         ParameterSpec { key: "bus_voltage_v", default: None, low: 1e-9, high: 1e6 },
     ],
+    example: (Location::Inverter, &[("source_resistance_ohm", 1.0), ("bus_voltage_v", 6.0)]),
+    remembers: false,
 };
 
 /// The law.
@@ -31,6 +33,11 @@ pub struct SupplySag<S: Scalar> {
 batch!(SupplySag<Scalar>: per_drive);
 
 impl<S: Scalar> SupplySag<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values, place.resistance, place.current))
+    }
+
     /// From the values of [`SPEC`], the winding's 2R in ohm and the unit of current in A.
     pub fn new(values: &[f64], resistance: f64, current: f64) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);

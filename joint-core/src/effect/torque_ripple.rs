@@ -5,7 +5,7 @@
 //! "Pulsating torque minimization techniques for permanent magnet AC motor drives" (1996).
 
 use super::hooks::{Constants, Effects};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
@@ -21,6 +21,8 @@ pub const SPEC: Spec = Spec {
         // Periods per turn of the rotor.
         ParameterSpec { key: "order", default: None, low: 0.01, high: 1e5 },
     ],
+    example: (Location::Motor, &[("relative_amplitude", 0.1), ("order", 6.0), ("phase_rad", 0.3)]),
+    remembers: false,
 };
 
 /// The law.
@@ -36,6 +38,11 @@ pub struct TorqueRipple<S: Scalar> {
 batch!(TorqueRipple<Scalar>: order, cosine, sine);
 
 impl<S: Scalar> TorqueRipple<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values))
+    }
+
     /// From the values of [`SPEC`].
     pub fn new(values: &[f64]) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);

@@ -4,7 +4,7 @@
 //! curves of any servo motor's data sheet near its peak current.
 
 use super::hooks::{Constants, Effects};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::Angle;
 use crate::params::Location;
@@ -16,6 +16,8 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::Motor],
     // I: the current at which half the torque constant is left.
     parameters: &[ParameterSpec { key: "current_a", default: None, low: 1e-12, high: 1e12 }],
+    example: (Location::Motor, &[("current_a", 0.4)]),
+    remembers: false,
 };
 
 /// The law.
@@ -29,6 +31,11 @@ pub struct TorqueSaturation<S: Scalar> {
 batch!(TorqueSaturation<Scalar>: per_current);
 
 impl<S: Scalar> TorqueSaturation<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.values, place.current))
+    }
+
     /// From the values of [`SPEC`] and the unit of current in A.
     pub fn new(values: &[f64], current: f64) -> Self {
         let knee = values.first().copied().unwrap_or(f64::INFINITY);

@@ -5,7 +5,7 @@
 //! damper sees the turning of the shafts alone. Source: Munro, "A review of the theory and measurement of gear transmission error" (1990).
 
 use super::hooks::{Effects, Felt};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
@@ -22,6 +22,8 @@ pub const SPEC: Spec = Spec {
         // Periods per turn of the stage's input.
         ParameterSpec { key: "order", default: None, low: 0.01, high: 1e5 },
     ],
+    example: (Location::Stage(2), &[("amplitude_rad", 3e-4), ("order", 2.0), ("phase_rad", 0.3)]),
+    remembers: false,
 };
 
 /// The law for one stage.
@@ -39,6 +41,11 @@ pub struct TransmissionError<S: Scalar> {
 batch!(TransmissionError<Scalar>: order, sine, cosine, leverage; stage);
 
 impl<S: Scalar> TransmissionError<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.stage()?, place.values, place.angle, place.input_angle?))
+    }
+
     /// From the values of [`SPEC`]; `angle` is the unit of the stage's deflection in rad at its
     /// output, `input` that at its input.
     pub fn new(stage: u8, values: &[f64], angle: f64, input: f64) -> Self {

@@ -4,7 +4,7 @@
 //! thermal model of any servo motor's data sheet; copper gains 0.39 % per kelvin.
 
 use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, Winding, keep};
-use super::{ParameterSpec, Spec};
+use super::{ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -19,6 +19,11 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "time_constant_s", default: None, low: 1e-6, high: 1e9 },
         ParameterSpec { key: "reference_current_a", default: None, low: 1e-12, high: 1e12 },
     ],
+    example: (
+        Location::Motor,
+        &[("relative_rise", 0.25), ("time_constant_s", 0.05), ("reference_current_a", 0.07)],
+    ),
+    remembers: true,
 };
 
 /// The law.
@@ -35,6 +40,11 @@ pub struct WindingHeating<S: Scalar> {
 batch!(WindingHeating<Scalar>: rise, per_current, reach; slot);
 
 impl<S: Scalar> WindingHeating<S> {
+    /// The law of an effect at its place.
+    pub(super) fn at(place: &Place<'_>) -> Option<Self> {
+        Some(Self::new(place.slot, place.values, place.current, place.half_step))
+    }
+
     /// From the values of [`SPEC`], the unit of current in A and half a micro-step in s.
     pub fn new(slot: u8, values: &[f64], current: f64, half_step: f64) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);

@@ -2,11 +2,24 @@
 //! own. Told from a current offset by the electrical equation and by the viscous part.
 
 use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "friction that differs by direction",
+    residual: Residual::Torque,
+    axis: Axis::MotorSpeed,
+    experiment: "run at equal speeds in both directions at several output angles; read the current at \
+         rest",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let frictional = scene.masses().filter(|(mass, _)| scene.friction(*mass).coulomb_nm > 0.0);
     frictional
         .filter(|(_, place)| !scene.has(Kind::AsymmetricFriction, *place))
@@ -18,4 +31,12 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             ],
         })
         .collect()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let asymmetry = joint.sign * joint.share(0.25);
+    Some(
+        EffectParameters::new(Kind::AsymmetricFriction, Location::Motor)
+            .with("asymmetry", asymmetry),
+    )
 }

@@ -5,10 +5,21 @@ use joint_core::effect::{EffectParameters, Kind};
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 const WIDTHS: [f64; 7] = [0.1, 0.3, 0.7, 1.5, 3.0, 6.0, 12.0];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a gap between the teeth, in which the stage passes no torque on",
+    residual: Residual::Windup,
+    axis: Axis::OutputWindup,
+    experiment: "repeat a small reversal with and without a constant load on the output",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
     for (mass, place) in scene.masses().skip(1) {
         if scene.has(Kind::Backlash, place) {
@@ -25,4 +36,9 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         }
     }
     all
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let width = 3.0 * joint.size * joint.windup_rad();
+    Some(EffectParameters::new(Kind::Backlash, joint.gear()?).with("width_rad", width))
 }

@@ -5,11 +5,24 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 /// Widths of the loop that are tried, as shares of the travel.
 const WIDTHS: [f64; 3] = [0.01, 0.05, 0.2];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "an elastic skin around the joint, which gives some of its torque back late",
+    residual: Residual::Torque,
+    axis: Axis::OutputAngle,
+    experiment: "travel beyond a quarter turn to both sides and hold there: a skin pulls harder the \
+         further it is stretched, and gives way while it is held; gravity turns back beyond the \
+         quarter",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let stages = scene.model.stages.len();
     if stages == 0 || scene.has(Kind::Coating, Location::Output) {
         return Vec::new();
@@ -29,4 +42,12 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             ],
         })
         .to_vec()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    joint.gear()?;
+    let coating = EffectParameters::new(Kind::Coating, Location::Output)
+        .with("stiffness_nm_per_rad", 0.6 * joint.size * joint.output_torque_nm)
+        .with("hysteresis_nm", 0.5 * joint.size * joint.output_torque_nm);
+    Some(coating)
 }

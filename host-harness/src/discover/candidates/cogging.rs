@@ -5,6 +5,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use super::{Scene, gravity};
 
 /// Orders that become hypotheses.
@@ -12,8 +13,27 @@ const KEPT: usize = 3;
 /// Orders that are looked at to tell the reader where they disagree.
 const LISTED: usize = 10;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "the magnets' pull on the teeth of the stator",
+    residual: Residual::Torque,
+    axis: Axis::MotorAngle,
+    experiment: "scan slowly through a turn at two loads, in both directions",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     orders(scene, KEPT).into_iter().map(|order| hypothesis(scene, order, true)).collect()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let order = joint.pole_pairs * joint.one_of([2.0, 6.0, 12.0]);
+    let cogging = EffectParameters::new(Kind::Cogging, Location::Motor)
+        .with("order", order)
+        .with("amplitude_nm", 0.3 * joint.size * joint.motor_torque_nm)
+        .with("phase_rad", joint.phase_rad);
+    Some(cogging)
 }
 
 /// Each of the strongest orders alone, for the list of orders.

@@ -6,9 +6,24 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Benchmark, EffectCard, Residual};
 use crate::estimate::record::Channel;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a current sensor whose scale is wrong",
+    residual: Residual::MeasuredCurrent,
+    axis: Axis::Current,
+    experiment: "lift a known weight at constant speed, or couple a known inertia and let it coast down: \
+         only a torque that is known without the current tells the sensor's gain from the torque \
+         constant",
+    reference: None,
+    benchmark: Benchmark::Left(
+        "a symmetry of the model: only trust in the nominal tells it from other parameters",
+    ),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     // Where the current is the input, a gain is the torque constant itself.
     let measured = scene.record.drive == Drive::Voltage && scene.record.has(Channel::Current);
     if !measured || scene.has(Kind::CurrentGain, Location::CurrentSensor) {

@@ -6,8 +6,19 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a current sensor whose zero is off",
+    residual: Residual::MeasuredCurrent,
+    axis: Axis::Time,
+    experiment: "read the current sensor with the bridge off",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     if scene.has(Kind::CurrentOffset, Location::CurrentSensor) {
         return Vec::new();
     }
@@ -16,4 +27,12 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         start: EffectParameters::new(Kind::CurrentOffset, Location::CurrentSensor),
         free: vec![Free::Value { value: 0, scale, sigma: 20.0 }],
     }]
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let offset = joint.sign * 0.03 * joint.size * joint.current_a();
+    Some(
+        EffectParameters::new(Kind::CurrentOffset, Location::CurrentSensor)
+            .with("offset_a", offset),
+    )
 }

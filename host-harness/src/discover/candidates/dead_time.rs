@@ -7,9 +7,20 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::estimate::record::Channel;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "voltage that the bridge loses against the sign of the current",
+    residual: Residual::Voltage,
+    axis: Axis::Current,
+    experiment: "hold the rotor and step the voltage through a staircase around zero",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let current = scene.record.drive == Drive::Current;
     if current || scene.has(Kind::DeadTime, Location::Inverter) {
         return Vec::new();
@@ -29,4 +40,11 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             free: vec![Free::Value { value: 0, scale, sigma: 20.0 }],
         })
         .to_vec()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let dead_time = EffectParameters::new(Kind::DeadTime, Location::Inverter)
+        .with("voltage_v", 0.05 * joint.size * joint.voltage_v)
+        .with("softening_a", 2.0 * joint.current_noise_a);
+    Some(dead_time)
 }

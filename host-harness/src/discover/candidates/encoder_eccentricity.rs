@@ -5,12 +5,25 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::estimate::record::Channel;
 
 /// A disc off its centre, and a tilted one.
 pub(in super::super) const ORDERS: [f64; 2] = [1.0, 2.0];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "an encoder's disc that is off its centre or tilted",
+    residual: Residual::MeasuredAngle,
+    axis: Axis::MotorAngle,
+    experiment: "turn through full turns at several constant speeds: an encoder's error stays the same \
+         angle, and the torque that it feigns grows with the square of the speed; a real torque \
+         does not",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
     for (channel, place) in
         [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
@@ -25,4 +38,11 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         }));
     }
     all
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let disc = EffectParameters::new(Kind::EncoderEccentricity, Location::Encoder)
+        .with("amplitude_rad", 0.015 * joint.size)
+        .with("phase_rad", joint.phase_rad);
+    Some(disc)
 }

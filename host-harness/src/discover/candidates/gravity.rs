@@ -5,15 +5,34 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::model::Model;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "the weight of the link",
+    residual: Residual::Torque,
+    axis: Axis::OutputAngle,
+    experiment: "turn the mount by a quarter, or move slowly through a full output turn",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let stages = scene.model.stages.len();
     let place = if stages == 0 { Location::Motor } else { Location::Output };
     if scene.model.load.gravity_nm != 0.0 || scene.has(Kind::Gravity, place) {
         return Vec::new();
     }
     vec![pull(place, 0.1 * scene.torque_scale() / scene.shaft(stages).abs())]
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let place = if joint.stages == 0 { Location::Motor } else { Location::Output };
+    let gravity = EffectParameters::new(Kind::Gravity, place)
+        .with("amplitude_nm", 1.5 * joint.size * joint.output_torque_nm)
+        .with("phase_rad", joint.phase_rad);
+    Some(gravity)
 }
 
 /// A pull that is not there yet; it matters from `scale` on, in Nm at its place.

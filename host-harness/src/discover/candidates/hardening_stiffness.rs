@@ -5,11 +5,24 @@ use joint_core::effect::{EffectParameters, Kind};
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 /// Shares of the stiffness that a spring gains at the typical wind-up where its trials start.
 const SHARES: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a stage that grows stiffer the further it winds up",
+    residual: Residual::Windup,
+    axis: Axis::OutputWindup,
+    experiment: "lock the output and ramp the motor torque slowly through zero to its limit in both \
+         directions: a stiffness above zero at zero torque means no gap, one that grows with \
+         torque means hardening",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let free = scene.masses().skip(1).filter(|(_, p)| !scene.has(Kind::HardeningStiffness, *p));
     free.flat_map(|(mass, place)| {
         let windup = scene.typical_windup(mass - 1).max(1e-12);
@@ -21,6 +34,14 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         })
     })
     .collect()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let cubic = 0.5 * joint.size * joint.stiffness_nm_per_rad / (2.0 * joint.windup_rad()).powi(2);
+    Some(
+        EffectParameters::new(Kind::HardeningStiffness, joint.gear()?)
+            .with("cubic_stiffness_nm_per_rad3", cubic),
+    )
 }
 
 #[cfg(test)]

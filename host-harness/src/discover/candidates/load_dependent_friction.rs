@@ -5,8 +5,19 @@ use joint_core::effect::{EffectParameters, Kind};
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "friction that grows with the torque passed on",
+    residual: Residual::Torque,
+    axis: Axis::Current,
+    experiment: "drive and brake at constant speed against two loads, in both directions",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let frictional = scene.masses().filter(|(mass, _)| scene.friction(*mass).coulomb_nm > 0.0);
     frictional
         .filter(|(_, place)| !scene.has(Kind::LoadDependentFriction, *place))
@@ -18,4 +29,12 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             })
         })
         .collect()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let coefficient = 0.1 * joint.size;
+    Some(
+        EffectParameters::new(Kind::LoadDependentFriction, joint.gear()?)
+            .with("coefficient", coefficient),
+    )
 }

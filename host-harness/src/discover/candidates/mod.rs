@@ -1,31 +1,14 @@
-//! How each effect is spotted: its start values, scales and bounds, one file per effect.
+//! What the host knows of each effect: one card per kind, in a file of its own.
 //!
-//! A candidate proposes hypotheses; whether one holds is decided elsewhere and the same way for
-//! all. To add one: a file beside these and a row in [`ALL`].
+//! A card proposes hypotheses and says how large the effect is in a benchmark, in which residual it
+//! shows, and which experiment tells it. Whether a hypothesis holds is decided elsewhere and the same
+//! way for all. To add one: a file beside these, named as the effect's row in
+//! [`joint_core::for_every_effect`].
 
-mod asymmetric_friction;
-mod backlash;
-mod coating;
-pub(super) mod cogging;
-mod current_gain;
-mod current_offset;
-mod dead_time;
-pub(super) mod encoder_eccentricity;
-pub(super) mod gravity;
-mod hardening_stiffness;
-mod load_dependent_friction;
-mod lubricant_warming;
-mod position_dependent_friction;
-mod quadratic_drag;
+mod card;
 mod scene;
-mod sensor_delay;
-mod structural_hysteresis;
-mod supply_sag;
-mod torque_ripple;
-mod torque_saturation;
-mod transmission_error;
-mod winding_heating;
 
+pub use card::{Axis, Bench, Benchmark, EffectCard, Residual};
 pub(super) use cogging::listed;
 pub use scene::Scene;
 
@@ -34,36 +17,55 @@ use rayon::prelude::*;
 
 use super::hypothesis::Hypothesis;
 
-/// Proposes hypotheses for one kind of effect.
-pub type Candidate = fn(&Scene<'_>) -> Vec<Hypothesis>;
+/// Declares the module of every effect, and the table of their cards.
+macro_rules! cards {
+    ($($module:ident :: $name:ident,)+) => {
+        $(pub(super) mod $module;)+
 
-/// Every candidate.
-pub const ALL: &[Candidate] = &[
-    asymmetric_friction::propose,
-    backlash::propose,
-    coating::propose,
-    cogging::propose,
-    current_gain::propose,
-    current_offset::propose,
-    dead_time::propose,
-    encoder_eccentricity::propose,
-    gravity::propose,
-    hardening_stiffness::propose,
-    load_dependent_friction::propose,
-    lubricant_warming::propose,
-    position_dependent_friction::propose,
-    quadratic_drag::propose,
-    sensor_delay::propose,
-    structural_hysteresis::propose,
-    supply_sag::propose,
-    torque_ripple::propose,
-    torque_saturation::propose,
-    transmission_error::propose,
-    winding_heating::propose,
-];
+        /// Every card, in the order of [`Kind::ALL`].
+        static CARDS: &[(Kind, EffectCard)] = &[$((Kind::$name, $module::CARD),)+];
+    };
+}
+
+joint_core::for_every_effect!(cards);
+
+/// The card of a kind.
+pub fn card(kind: Kind) -> &'static EffectCard {
+    &CARDS[kind as usize].1
+}
 
 /// What all candidates propose, but for kinds that are withdrawn.
 pub fn proposed(scene: &Scene<'_>, withdrawn: &[Kind]) -> Vec<Hypothesis> {
-    let all = ALL.par_iter().flat_map_iter(|candidate| candidate(scene));
+    let all = CARDS.par_iter().flat_map_iter(|(_, card)| (card.propose)(scene));
     all.filter(|hypothesis| !withdrawn.contains(&hypothesis.start.kind)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::score_test::ScoreTest;
+    use super::super::trial;
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::fit::Problem;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn every_card_proposes_its_own_kind_and_no_other() {
+        let nominal = actuator();
+        let record = Record::new(&trial::log(&nominal, trial::line(42.0), 8.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let base = trial::fitted(&problem, &nominal, &[]);
+        let test = ScoreTest::new(problem, &base.origin, &base.fit, 1).unwrap();
+        let scene = Scene::new(&base.fit.model, &record, &test);
+        for &kind in Kind::ALL {
+            let (name, proposed) = (kind.spec().kind, (card(kind).propose)(&scene));
+            assert_eq!(CARDS[kind as usize].0, kind, "{name}: its card stands in another's place");
+            assert!(!proposed.is_empty(), "{name}: its card proposes nothing");
+            let foreign = proposed.iter().find(|hypothesis| hypothesis.start.kind != kind);
+            assert!(foreign.is_none(), "{name}: its card proposes {foreign:?}");
+            let free = proposed.iter().all(|hypothesis| !hypothesis.free.is_empty());
+            assert!(free, "{name}: its card leaves nothing free");
+        }
+    }
 }

@@ -2,9 +2,11 @@
 //! speed.
 
 use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::estimate::adjoint::Pull;
 
 /// Orders that become hypotheses at each mass.
@@ -12,7 +14,18 @@ const KEPT: usize = 2;
 /// Highest order looked for.
 const HIGHEST: f64 = 64.0;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "friction that differs from angle to angle",
+    residual: Residual::Torque,
+    axis: Axis::OutputAngle,
+    experiment: "pass every angle slowly in both directions: friction changes its sign with the \
+         direction, gravity and cogging do not",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
     for (mass, place) in scene.masses() {
         let friction = scene.friction(mass);
@@ -35,4 +48,13 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         }
     }
     all
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let place = joint.gear().unwrap_or(Location::Motor);
+    let friction = EffectParameters::new(Kind::PositionDependentFriction, place)
+        .with("relative_amplitude", joint.share(0.45))
+        .with("order", joint.one_of([6.0, 12.0, 24.0]))
+        .with("phase_rad", joint.phase_rad);
+    Some(friction)
 }

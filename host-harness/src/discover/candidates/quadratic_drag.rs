@@ -6,8 +6,21 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "drag that grows with the square of the speed",
+    residual: Residual::Torque,
+    axis: Axis::MotorSpeed,
+    experiment: "hold constant speeds up to the highest in both directions, many of them and in random \
+         order, so that warming does not follow the speed; drag bends the line of current over \
+         speed",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     if scene.has(Kind::QuadraticDrag, Location::Motor) {
         return Vec::new();
     }
@@ -17,4 +30,13 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         start: EffectParameters::new(Kind::QuadraticDrag, Location::Motor),
         free: vec![Free::Value { value: 0, scale, sigma: 200.0 }],
     }]
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let coefficient =
+        0.6 * joint.size * joint.motor_torque_nm / (0.5 * joint.speed_rad_per_s).powi(2);
+    Some(
+        EffectParameters::new(Kind::QuadraticDrag, Location::Motor)
+            .with("coefficient_nm_s2", coefficient),
+    )
 }

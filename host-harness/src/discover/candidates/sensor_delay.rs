@@ -6,12 +6,24 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::estimate::record::Channel;
 
 /// Delays tried, in samples.
 const SAMPLES: [f64; 6] = [0.0, 2.0, 4.0, 8.0, 16.0, -2.0];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "an encoder that shows the past",
+    residual: Residual::MeasuredAngle,
+    axis: Axis::MotorSpeed,
+    experiment: "drive a chirp up to a tenth of the sample rate: the phase of a delay grows in proportion \
+         to the frequency, that of inductance and damping levels off",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let interval = scene.record.grid.interval(0);
     let mut all = Vec::new();
     for (channel, place) in
@@ -27,4 +39,12 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         }));
     }
     all
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let samples = (3.0 * joint.size).round().max(1.0);
+    Some(
+        EffectParameters::new(Kind::SensorDelay, Location::Encoder)
+            .with("delay_s", samples * joint.sample_time_s),
+    )
 }

@@ -5,11 +5,24 @@ use joint_core::effect::{EffectParameters, Kind};
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 /// Widths tried, in typical wind-ups.
 const WIDTHS: [f64; 4] = [0.1, 0.4, 1.5, 5.0];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a stage whose wind-up loops, however slowly it is loaded",
+    residual: Residual::Windup,
+    axis: Axis::OutputWindup,
+    experiment: "swing the torque against a locked output at several amplitudes and several frequencies: \
+         this loop's area grows with the amplitude and keeps at every frequency, that of viscous \
+         damping grows with it",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
     for (mass, place) in scene.masses().skip(1) {
         if scene.has(Kind::StructuralHysteresis, place) {
@@ -27,4 +40,11 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         }));
     }
     all
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let hysteresis = EffectParameters::new(Kind::StructuralHysteresis, joint.gear()?)
+        .with("amplitude_nm", 0.5 * joint.size * joint.output_torque_nm)
+        .with("width_rad", joint.windup_rad());
+    Some(hysteresis)
 }

@@ -7,11 +7,23 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 /// Bus voltage over the largest voltage in the record.
 const BUS: f64 = 1.2;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a bus voltage that gives way under power",
+    residual: Residual::Voltage,
+    axis: Axis::Current,
+    experiment: "log the bus voltage while the joint accelerates hard at high speed, and again with the \
+         rotor held at the same current",
+    reference: Some("bus_voltage_v"),
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     if scene.record.drive == Drive::Current || scene.has(Kind::SupplySag, Location::Inverter) {
         return Vec::new();
     }
@@ -21,4 +33,11 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             .with("bus_voltage_v", BUS * scene.largest_drive()),
         free: vec![Free::Value { value: 0, scale, sigma: 50.0 }],
     }]
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let sag = EffectParameters::new(Kind::SupplySag, Location::Inverter)
+        .with("bus_voltage_v", 1.3 * joint.voltage_v)
+        .with("source_resistance_ohm", 0.2 * joint.size * joint.resistance_ohm);
+    Some(sag)
 }

@@ -7,11 +7,23 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 /// Orders that become hypotheses.
 const KEPT: usize = 2;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a torque constant that waves over the electrical turn, and the back-EMF with it",
+    residual: Residual::Torque,
+    axis: Axis::MotorAngle,
+    experiment: "scan slowly through a turn at several loads, then let the joint coast: ripple grows with \
+         the current and is gone without it, cogging stays",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let constant = scene.model.motor.torque_constant_nm_per_a;
     let (current, speed) = (scene.current(), scene.speed(0));
     let electrical = if scene.record.drive == Drive::Voltage { constant } else { 0.0 };
@@ -34,4 +46,12 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             free: vec![Free::Phasor { amplitude: 0, scale: 0.01, sigma: 30.0 }],
         })
         .collect()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let ripple = EffectParameters::new(Kind::TorqueRipple, Location::Motor)
+        .with("relative_amplitude", joint.share(0.05))
+        .with("order", 6.0 * joint.pole_pairs)
+        .with("phase_rad", joint.phase_rad);
+    Some(ripple)
 }

@@ -6,11 +6,23 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 /// Knees that are tried, in largest currents.
 const KNEES: [f64; 2] = [2.5, 7.0];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a torque that falls behind the current where the current is large",
+    residual: Residual::Torque,
+    axis: Axis::Current,
+    experiment: "drive and brake up to the highest current in both directions: what saturation takes \
+         follows the sign of the current, what friction takes that of the speed",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     if scene.has(Kind::TorqueSaturation, Location::Motor) {
         return Vec::new();
     }
@@ -23,4 +35,9 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             free: vec![Free::Value { value: 0, scale: 0.1 * knee, sigma: 20.0 }],
         })
         .to_vec()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let knee = 2.5 * joint.current_a() / joint.size;
+    Some(EffectParameters::new(Kind::TorqueSaturation, Location::Motor).with("current_a", knee))
 }

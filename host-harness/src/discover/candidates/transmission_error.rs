@@ -8,6 +8,7 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::estimate::adjoint::Pull;
 
 /// Orders that become hypotheses at each stage.
@@ -18,7 +19,18 @@ const HIGHEST: f64 = 64.0;
 const LOW: u32 = 8;
 const PERIODS: f64 = 0.7;
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "gears that do not pass the angle on evenly",
+    residual: Residual::Windup,
+    axis: Axis::MotorAngle,
+    experiment: "turn slowly through full turns without a load, with an encoder behind the last stage: \
+         its error repeats with the turn of the stage's input, cogging with the rotor's",
+    reference: None,
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     let mut all = Vec::new();
     for (mass, place) in scene.masses().skip(1) {
         let stage = &scene.model.stages[mass - 1];
@@ -46,6 +58,14 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         }
     }
     all
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let error = EffectParameters::new(Kind::TransmissionError, joint.gear()?)
+        .with("amplitude_rad", joint.size * joint.windup_rad())
+        .with("order", joint.one_of([1.0, 3.0, 5.0]))
+        .with("phase_rad", joint.phase_rad);
+    Some(error)
 }
 
 fn taken(scene: &Scene<'_>, place: Location, order: f64) -> bool {

@@ -7,11 +7,23 @@ use joint_core::params::Location;
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
 /// Time constants that are tried, as shares of the record.
 const LAGS: [f64; 3] = [0.1, 0.35, 1.5];
 
-pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "a winding whose resistance rises as it warms",
+    residual: Residual::Voltage,
+    axis: Axis::Time,
+    experiment: "hold the rotor at a constant current until the voltage no longer rises, let it cool, and \
+         repeat: a winding follows the square of the current late, a supply at once",
+    reference: Some("reference_current_a"),
+    benchmark: Benchmark::Hidden(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     if scene.record.drive == Drive::Current || scene.has(Kind::WindingHeating, Location::Motor) {
         return Vec::new();
     }
@@ -27,4 +39,12 @@ pub(super) fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
             ],
         })
         .to_vec()
+}
+
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    let heating = EffectParameters::new(Kind::WindingHeating, Location::Motor)
+        .with("relative_rise", 0.2 * joint.size)
+        .with("time_constant_s", 0.3 * joint.duration_s)
+        .with("reference_current_a", 0.3 * joint.current_a());
+    Some(heating)
 }
