@@ -192,6 +192,6 @@ pub fn plot(points: &[Point]) -> Plot<'_> {
     }
     let across = Axis::log("instructions in 50 µs on a Cortex-M4", "").within([300.0, 2e6]);
     let up = Axis::log("worst state over all scenarios (ring: without the worst scenario)", "%");
-    let plot = Plot::new("", across, up.within([1e-4, 50.0])).sized(860.0, 420.0).explained();
+    let plot = Plot::new("", across, up.within([1e-6, 50.0])).sized(860.0, 420.0).explained();
     Plot { series, zoom: false, ..plot }
 }

@@ -7,6 +7,7 @@ use crate::plot::{Axis, Ink, Mark, Plot, Series, picture};
 /// deviations either side.
 pub fn plot(title: &str, step_s: f64, truth: &[Guess], found: &[Guess], sigma: &[Guess]) -> String {
     let time: Vec<f64> = (0..truth.len()).map(|k| k as f64 * step_s).collect();
+    let all_of_it = [0.0, time.last().copied().unwrap_or(0.0)];
     // While it starts an estimate may be off the page.
     let started = |(k, value): (usize, f64)| if k < truth.len() / 50 { f64::NAN } else { value };
     let panels = |what: &str, unit, value: fn(&Guess) -> f64| {
@@ -16,11 +17,10 @@ pub fn plot(title: &str, step_s: f64, truth: &[Guess], found: &[Guess], sigma: &
         };
         let errors = found.iter().zip(truth).map(|(f, t)| value(f) - value(t)).enumerate();
         let errors: Vec<f64> = errors.map(started).collect();
-        let panel = |title: String, series| Plot {
-            series,
-            ..Plot::new(title, Axis::linear("time", "s"), Axis::linear(what.to_owned(), unit))
-                .sized(760.0, 190.0)
-                .explained()
+        let panel = |title: String, series| {
+            let across = Axis::linear("time", "s").within(all_of_it);
+            let plot = Plot::new(title, across, Axis::linear(what.to_owned(), unit));
+            Plot { series, ..plot.sized(760.0, 190.0).explained() }
         };
         [
             panel(

@@ -160,7 +160,7 @@ fn decades([low, high]: [f64; 2]) -> Vec<(f64, String)> {
 
 /// `factor · 10^power` as it is read.
 fn power_of_ten(factor: i32, power: i32) -> String {
-    if (-3..=4).contains(&power) {
+    if (-3..=3).contains(&power) {
         let decimals = (-power).max(0) as usize;
         return format!("{:.decimals$}", f64::from(factor) * 10.0_f64.powi(power));
     }

@@ -188,7 +188,7 @@ impl Plot<'_> {
                 escape(&label)
             );
         }
-        for (place, label) in y.ticks((height / 36.0).clamp(3.0, 8.0)) {
+        for (place, label) in y.ticks((height / 28.0).clamp(3.0, 8.0)) {
             let at = bottom - place * height;
             let _ = write!(
                 svg,
@@ -221,6 +221,7 @@ impl Pen<'_, '_> {
         let up: Vec<f64> = series.y.iter().map(|value| y.place(*value)).collect();
         let points = || across.iter().zip(&up).map(|(a, b)| [*a, *b]);
         let finite = |p: &Point| p.iter().all(|value| value.is_finite());
+        let inside = |p: &Point| p.iter().all(|value| (-1e-9..=1.0 + 1e-9).contains(value));
         let runs = || thinned(&across, &up);
         match series.mark {
             Mark::Line => {
@@ -269,7 +270,7 @@ impl Pen<'_, '_> {
                 }
             }
         }
-        for ([a, b], label) in points().zip(&series.labels).filter(|(p, _)| finite(p)) {
+        for ([a, b], label) in points().zip(&series.labels).filter(|(p, _)| inside(p)) {
             let [a, b] = self.pixels([a, b]);
             let _ = write!(
                 self.svg,

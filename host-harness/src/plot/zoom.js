@@ -55,7 +55,7 @@ for (const plot of document.querySelectorAll('svg.zoom')) {
       make('path', {d: `M${at} ${top}V${top + height}`, class: 'grid'}, ticks);
       make('text', {x: at, y: top + height + 14, 'text-anchor': 'middle'}, ticks).textContent = label;
     }
-    for (const [v, label] of log.y ? decades(under, over) : round(under, over, Math.max(3, height / 36))) {
+    for (const [v, label] of log.y ? decades(under, over) : round(under, over, Math.max(3, height / 28))) {
       const at = top + (over - v) / (over - under) * height;
       make('path', {d: `M${left} ${at}H${left + width}`, class: 'grid'}, ticks);
       make('text', {x: left - 5, y: at + 3.5, 'text-anchor': 'end'}, ticks).textContent = label;

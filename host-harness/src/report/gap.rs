@@ -51,6 +51,6 @@ fn dots<'a>(rows: &[(&'a str, [f64; 3])], unit: &'a str) -> Plot<'a> {
             series(0, "before", Ink::Before, Mark::Points),
             series(1, "after", Ink::After, Mark::Points),
         ],
-        ..Plot::new("", Axis::log(unit, ""), names).sized(WIDTH, ROW * count)
+        ..Plot::new("Gap by signal", Axis::log(unit, ""), names).sized(WIDTH, ROW * count)
     }
 }
