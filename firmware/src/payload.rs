@@ -2,7 +2,7 @@
 //! parameters are made of.
 //!
 //! A block is several hundred numbers. Read by postcard itself, every one of them brings a bounds
-//! check and a way out along, for each number of stages anew: 12,648 bytes more of flash on the
+//! check and a way out along, for each number of stages anew: 12,640 bytes more of flash on the
 //! STM32G431, where the drive then does not fit, 19,252 on the F405, 2,916 in `replay`. Postcard with a
 //! source that never ends still takes 9,484, 12,744 and 1,444 more. A flat block would need no reader,
 //! but blocks of version 1 would, and drives in the field hold them. Here a number is one call: past
