@@ -2,9 +2,11 @@
 //! parameters are made of.
 //!
 //! A block is several hundred numbers. Read by postcard itself, every one of them brings a bounds
-//! check and a way out along, for each number of stages anew, and that is a fifth of a small drive's
-//! flash. Here a number is one call: past the end it is zero, and that the end was passed is asked
-//! once, when all has been read.
+//! check and a way out along, for each number of stages anew: 12,640 bytes more of flash on the
+//! STM32G431, where the drive then does not fit, 19,252 on the F405, 2,916 in `replay`. Postcard with a
+//! source that never ends still takes 9,484, 12,744 and 1,444 more. A flat block would need no reader,
+//! but blocks of version 1 would, and drives in the field hold them. Here a number is one call: past
+//! the end it is zero, and that the end was passed is asked once, when all has been read.
 
 use core::fmt;
 
@@ -113,6 +115,29 @@ impl Payload<'_> {
     }
 }
 
+/// Numbers: how one is read, and how it is handed on.
+macro_rules! values {
+    ($payload:ident: $($method:ident $visit:ident $value:expr,)*) => {
+        $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
+            let $payload = self;
+            visitor.$visit($value)
+        })*
+    };
+}
+
+/// What is written as one part after the other.
+macro_rules! elements {
+    ($($method:ident($($ignored:ty),*),)*) => {
+        $(fn $method<V: Visitor<'de>>(
+            self,
+            $(_: $ignored,)*
+            visitor: V,
+        ) -> Result<V::Value, Unreadable> {
+            visitor.visit_seq(Elements(self))
+        })*
+    };
+}
+
 impl<'de> Deserializer<'de> for &mut Payload<'_> {
     type Error = Unreadable;
 
@@ -129,48 +154,18 @@ impl<'de> Deserializer<'de> for &mut Payload<'_> {
         i128 u128 char str string bytes byte_buf map identifier ignored_any
     }
 
-    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_f32(self.real())
-    }
-
-    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_f64(f64::from_le_bytes(self.bytes()))
-    }
-
-    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_bool(self.flag()?)
-    }
-
-    fn deserialize_u8<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_u8(self.byte())
-    }
-
-    fn deserialize_u16<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_u16(self.narrow()?)
-    }
-
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_u32(self.narrow()?)
-    }
-
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_u64(self.varint())
-    }
-
-    fn deserialize_i8<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_i8(self.byte() as i8)
-    }
-
-    fn deserialize_i64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_i64(self.signed()?)
-    }
-
-    fn deserialize_i16<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_i16(self.signed()?)
-    }
-
-    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_i32(self.signed()?)
+    values! { payload:
+        deserialize_f32 visit_f32 payload.real(),
+        deserialize_f64 visit_f64 f64::from_le_bytes(payload.bytes()),
+        deserialize_bool visit_bool payload.flag()?,
+        deserialize_u8 visit_u8 payload.byte(),
+        deserialize_u16 visit_u16 payload.narrow()?,
+        deserialize_u32 visit_u32 payload.narrow()?,
+        deserialize_u64 visit_u64 payload.varint(),
+        deserialize_i8 visit_i8 payload.byte() as i8,
+        deserialize_i16 visit_i16 payload.signed()?,
+        deserialize_i32 visit_i32 payload.signed()?,
+        deserialize_i64 visit_i64 payload.signed()?,
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unreadable> {
@@ -202,30 +197,10 @@ impl<'de> Deserializer<'de> for &mut Payload<'_> {
         visitor.visit_seq(Counted { payload: self, left })
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(
-        self,
-        _: usize,
-        visitor: V,
-    ) -> Result<V::Value, Unreadable> {
-        visitor.visit_seq(Elements(self))
-    }
-
-    fn deserialize_tuple_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: usize,
-        visitor: V,
-    ) -> Result<V::Value, Unreadable> {
-        visitor.visit_seq(Elements(self))
-    }
-
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Unreadable> {
-        visitor.visit_seq(Elements(self))
+    elements! {
+        deserialize_tuple(usize),
+        deserialize_tuple_struct(&'static str, usize),
+        deserialize_struct(&'static str, &'static [&'static str]),
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -300,17 +275,7 @@ impl<'de> VariantAccess<'de> for &mut Payload<'_> {
         seed.deserialize(self)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Unreadable> {
-        visitor.visit_seq(Elements(self))
-    }
-
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Unreadable> {
-        visitor.visit_seq(Elements(self))
-    }
+    elements! { tuple_variant(usize), struct_variant(&'static [&'static str]), }
 }
 
 #[cfg(test)]

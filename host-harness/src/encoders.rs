@@ -1,10 +1,10 @@
 //! What the encoders show of a run: the angles, bent by what is wrong with the encoders.
 //!
-//! Eccentricity is a law of the angle and stands in `joint-core`. A delay needs the past, which the
-//! drive does not keep and a whole run has: here it is exact but for the interpolation between
-//! samples.
+//! Laws stand in `joint-core`. A delay needs the past, which the drive does not keep and a whole run
+//! has: here the run itself is asked, exact but for the interpolation between samples.
 
 use joint_core::angle::Angle;
+use joint_core::effect::sensor_delay::delay_s;
 use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind};
 use joint_core::params::Location;
 use joint_core::per_unit::Bases;
@@ -38,18 +38,9 @@ pub fn shown(model: &Model, time_s: &[f64], run: &[Snapshot]) -> Shown {
         .map(|angle| bent(true, angle))
         .collect();
     Shown {
-        motor: late(&motor, time_s, delay(model, Location::Encoder)),
-        output: late(&output, time_s, delay(model, Location::OutputEncoder)),
+        motor: late(&motor, time_s, delay_s(&model.effects, Location::Encoder)),
+        output: late(&output, time_s, delay_s(&model.effects, Location::OutputEncoder)),
     }
-}
-
-/// How late an encoder is, s.
-pub fn delay(model: &Model, encoder: Location) -> f64 {
-    let effects = model.effects.iter();
-    effects
-        .filter(|e| e.kind == Kind::SensorDelay && e.location == encoder)
-        .map(|e| e.values[0])
-        .sum()
 }
 
 /// A series as it was `delay` seconds before each of its times, held at its ends.

@@ -2,11 +2,15 @@
 //!
 //! The equations make no energy, and a method that integrates them may not either. The ledger takes a
 //! state, says what power flows and what is stored in it, and knows nothing of how the state came about.
-//! Of what lies beside the plain joint it counts the mesh of a worm and the coating; other effects not.
+//! Of what lies beside the plain joint it counts the mesh of a worm and the coating, whose law it asks
+//! in `joint-core`; other effects not.
 
-use joint_core::effect::Kind;
+use std::f64::consts::TAU;
+
+use joint_core::angle::Angle;
 use joint_core::effect::worm;
-use joint_core::params::Stage;
+use joint_core::effect::{EffectSet, Effects, Kind, MEMORIES, Motion};
+use joint_core::params::{Load, Stage};
 use joint_core::per_unit::{Bases, reflected_inertia};
 
 use crate::model::Model;
@@ -60,11 +64,10 @@ struct Mass {
     mesh: Option<[f64; 2]>,
 }
 
-/// The coating of the output, at its own side.
+/// The coating of the output.
 struct Coating {
-    linear: f64,
-    cubic: f64,
-    hysteresis: f64,
+    /// Its law alone.
+    law: EffectSet<f64>,
     /// Its place among what effects remember.
     slot: usize,
 }
@@ -113,14 +116,9 @@ impl Ledger {
         });
         let remembering = model.effects.iter().filter(|effect| effect.kind.remembers());
         let coating = remembering.enumerate().find(|(_, effect)| effect.kind == Kind::Coating);
-        let coating = coating.map(|(slot, effect)| {
-            let value = |key| effect.get(key).unwrap_or(0.0);
-            Coating {
-                linear: value("stiffness_nm_per_rad"),
-                cubic: value("cubic_stiffness_nm_per_rad3"),
-                hysteresis: value("hysteresis_nm"),
-                slot,
-            }
+        let coating = coating.and_then(|(slot, effect)| {
+            let law = EffectSet::new(std::slice::from_ref(effect), &Load::default(), &bases)?;
+            Some(Coating { law, slot })
         });
         Self {
             coating,
@@ -145,9 +143,7 @@ impl Ledger {
             winding: self.resistance * current * current,
             dampers: dampers.sum(),
             friction: friction.sum(),
-            coating: self.coating_torque(state)
-                * self.masses[last].shaft
-                * state[self.layout.speed(last)],
+            coating: self.coating_power(state),
             load_per_nm: self.masses[last].shaft * state[self.layout.speed(last)],
         }
     }
@@ -179,14 +175,18 @@ impl Ledger {
         own
     }
 
-    /// Torque of the coating against positive motion, Nm at the output.
-    fn coating_torque(&self, state: &[f64]) -> f64 {
-        let Some(coating) = &self.coating else { return 0.0 };
-        let windup: f64 = (0..self.springs.len()).map(|k| state[self.layout.deflection(k)]).sum();
-        let shaft = self.masses[self.masses.len() - 1].shaft;
-        let angle = (state[Layout::ANGLE] - windup) * shaft;
-        let loop_torque = coating.hysteresis * state[self.layout.memory(coating.slot)];
-        angle * (coating.linear + coating.cubic * angle * angle) + loop_torque
+    /// Power that the coating takes, W.
+    fn coating_power(&self, state: &[f64]) -> f64 {
+        let Some(Coating { law, slot }) = &self.coating else { return 0.0 };
+        let last = self.masses.len() - 1;
+        let windup: f64 = (0..last).map(|k| state[self.layout.deflection(k)]).sum();
+        let turns = (state[Layout::ANGLE] - windup) * self.masses[last].shaft / TAU;
+        let speed = state[self.layout.speed(last)];
+        let mut memory = [0.0; MEMORIES];
+        // Alone in its set it has the first place there.
+        memory[0] = state[self.layout.memory(*slot)];
+        let at = Motion { angle: Angle::from_turns(turns), turns, speed };
+        -law.torque(last, at, &memory).value * speed
     }
 
     /// Energy in one mass's bristles, J.

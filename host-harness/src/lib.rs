@@ -20,6 +20,7 @@ pub mod observe;
 pub mod output;
 pub mod planetary;
 pub mod plant;
+pub mod plot;
 pub mod probe;
 pub mod reference;
 pub mod report;

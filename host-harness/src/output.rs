@@ -7,6 +7,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crate::log::compressed;
 use crate::verb::Failure;
 
 /// Temporary files start with this, so that what an interrupted run left is told from a result.
@@ -99,9 +100,15 @@ impl OutFile {
         Ok(Self { path: path.to_owned(), force })
     }
 
-    /// Whether its name asks for compression.
-    pub fn gzip(&self) -> bool {
-        self.path.extension().is_some_and(|extension| extension == "gz")
+    /// Writes a table, compressed where the file's name ends in `.gz`.
+    ///
+    /// # Errors
+    /// As [`OutFile::write`].
+    pub fn write_table(&self, text: String) -> Result<PathBuf, Failure> {
+        match self.path.extension().is_some_and(|extension| extension == "gz") {
+            true => self.write(compressed(&text)),
+            false => self.write(text),
+        }
     }
 
     /// Writes the file, whole.

@@ -1,29 +1,23 @@
-//! The cross-check as a page: error over step, one panel per state, readable offline.
-//!
-//! Plain SVG in one HTML file; every point says its number when it is pointed at.
+//! The cross-check as a page: error over step, one panel per state, readable offline; then what fewer
+//! micro-steps than the joint chooses cost, and error over instructions.
 
 use std::fmt::Write;
 
-use super::chart::Chart;
+use super::pareto::{self, Point};
 use super::{CrossCheck, Row};
+use crate::plot;
+use crate::plot::text::escape;
+use crate::plot::{Axis, Ink, Legend, Mark, Plot, Series, legend};
 
-/// Each panel: steps from 8 to 125 µs, decades of relative error.
-const CHART: Chart = Chart {
-    width: 360.0,
-    height: 250.0,
-    left: 54.0,
-    right: 12.0,
-    top: 26.0,
-    bottom: 36.0,
-    across: (0.903_09, 2.096_91),
-    up: (-7.0, 0.0),
-};
-const COLOURS: [&str; 8] =
-    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555", "#a6761d"];
+/// The steps that are run, µs, and a little beside them.
+const STEPS: [f64; 4] = [10.0, 25.0, 50.0, 100.0];
+const ACROSS: [f64; 2] = [8.0, 125.0];
+/// A drive's own step, at which the study is drawn.
+const DRIVE_STEP_US: f64 = 50.0;
 
 impl CrossCheck {
-    /// The page.
-    pub fn page(&self) -> String {
+    /// The page; the points are those of error over instructions.
+    pub fn page(&self, points: &[Point]) -> String {
         let mut scenarios: Vec<&str> = self.rows.iter().map(|row| row.scenario).collect();
         scenarios.dedup();
         let mut states: Vec<&str> = Vec::new();
@@ -32,121 +26,121 @@ impl CrossCheck {
                 states.push(&row.state);
             }
         }
-        let mut page = String::from(HEAD);
-        page.push_str("<p class=legend>");
-        for (scenario, colour) in scenarios.iter().zip(COLOURS.iter().cycle()) {
-            let _ = write!(page, "<span style=\"color:{colour}\">&#9679; {scenario}</span> ");
-        }
-        page.push_str("<span>&#9679; f32, rule's micro-steps</span> <span>&#9675; f64</span> ");
-        page.push_str("<span>grey bar: bound</span></p>\n<div class=panels>\n");
+        let of_scenarios = scenarios.iter().enumerate();
+        let of_scenarios = of_scenarios.map(|(k, name)| (Legend::Of(Ink::Nth(k)), *name));
+        let colours: Vec<_> = of_scenarios.collect();
+        let bounds =
+            [(Legend::Dot, "f32"), (Legend::Ring, "f64"), (Legend::Level(Ink::Soft), "bound")];
+        let mut body = format!(
+            "<h1>The embedded step against the reference</h1>\n<div class=\"answer{}\">\
+             <p class=\"first\">{}</p></div>\n<p>Relative RMS error of each state over the step, in \
+             as many micro-steps as the joint chooses, sampled every 100 µs over each scenario of \
+             0.1 s of the paper's joint. Point at a dot for its number.</p>\n{}<div class=\"panels\">\n",
+            if self.passed() { "" } else { " effect" },
+            escape(&self.verdict()),
+            legend(&[&colours[..], &bounds].concat())
+        );
         for state in states {
-            self.panel(&mut page, state, &scenarios);
+            body.push_str(&self.panel(state, &scenarios).svg());
         }
-        let _ = write!(page, "</div>\n<pre>{self}</pre>\n</body></html>\n");
-        page
+        let _ = write!(
+            body,
+            "</div>\n<h2>Fewer micro-steps than the joint chooses</h2>\n<p>A study, without a bound: \
+             the worst state of each scenario at a step of {DRIVE_STEP_US} µs in f32 where one and two \
+             micro-steps are forced, and with as many as the joint chooses.</p>\n{}{}",
+            legend(&colours),
+            self.study(&scenarios).svg()
+        );
+        if !points.is_empty() {
+            let _ = write!(
+                body,
+                "<h2>Error over instructions</h2>\n<p>The number beside a dot is that of micro-steps, \
+                 or the step of an explicit method.</p>\n{}",
+                pareto::plot(points).svg()
+            );
+        }
+        let _ = write!(body, "<h2>Every run</h2>\n<pre>{}</pre>", escape(&self.to_string()));
+        plot::page("Cross-check", &body)
     }
 
-    fn panel(&self, page: &mut String, state: &str, scenarios: &[&str]) {
-        let Chart { width, height, left, .. } = CHART;
-        let _ = write!(
-            page,
-            "<svg viewBox=\"0 0 {width} {height}\" width={width} height={height}>\
-             <text x={left} y=16 class=title>{state}</text>"
-        );
-        axes(page);
+    fn panel<'a>(&'a self, state: &'a str, scenarios: &[&'a str]) -> Plot<'a> {
         let of = |scenario: &str, scalar: &str| -> Vec<&Row> {
             let mut rows: Vec<&Row> = self
                 .rows
                 .iter()
-                .filter(|row| row.method == "embedded" && row.chosen && row.state == state)
+                .filter(|row| row.step_us > 0.0 && row.chosen && row.state == state)
                 .filter(|row| row.scenario == scenario && row.scalar == scalar)
                 .collect();
             rows.sort_by(|a, b| a.step_us.total_cmp(&b.step_us));
             rows
         };
-        for row in scenarios.first().map(|first| of(first, "f32")).unwrap_or_default() {
-            if let Some(bound) = row.bound {
-                let (x, y) = (CHART.x(row.step_us), CHART.y(bound));
-                let (from, to) = (x - 16.0, x + 16.0);
-                let _ = write!(page, "<path d=\"M{from:.1} {y:.1}H{to:.1}\" class=bound />");
+        let bounds = scenarios.first().map(|first| of(first, "f32")).unwrap_or_default();
+        let bounds = bounds.into_iter().filter_map(|row| Some((row.step_us, 100.0 * row.bound?)));
+        let (steps, most): (Vec<f64>, Vec<f64>) = bounds.unzip();
+        let mut series = vec![Series::new("bound", Ink::Soft, Mark::Levels, steps, most)];
+        for (k, scenario) in scenarios.iter().enumerate() {
+            for (scalar, mark) in [("f64", Mark::Rings), ("f32", Mark::Dots)] {
+                let rows = of(scenario, scalar);
+                series.push(errors(&rows, Ink::Nth(k), mark, |row| row.step_us));
             }
         }
-        for (scenario, colour) in scenarios.iter().zip(COLOURS.iter().cycle()) {
-            line(page, &of(scenario, "f32"), colour, colour);
-            line(page, &of(scenario, "f64"), colour, "none");
-        }
-        page.push_str("</svg>\n");
+        let marked = STEPS.map(|step| (step, step.to_string())).to_vec();
+        let steps = Axis::log("step", "µs").within(ACROSS).marked(marked);
+        let up = Axis::log("error", "%").within([1e-5, 10.0]);
+        let plot = Plot::new(state, steps, up).sized(264.0, 190.0);
+        Plot { series, zoom: false, ..plot }
+    }
+
+    /// The worst state of each scenario over the number of micro-steps.
+    fn study<'a>(&'a self, scenarios: &[&'a str]) -> Plot<'a> {
+        let of = |scenario: &str| -> Vec<&Row> {
+            let own = self.rows.iter().filter(|row| {
+                row.scenario == scenario && row.scalar == "f32" && row.step_us == DRIVE_STEP_US
+            });
+            let mut worst: Vec<&Row> = Vec::new();
+            for row in own {
+                match worst.iter_mut().find(|other| other.micro_steps == row.micro_steps) {
+                    Some(other) if row.relative_rms > other.relative_rms => *other = row,
+                    Some(_) => {}
+                    None => worst.push(row),
+                }
+            }
+            worst.sort_by_key(|row| row.micro_steps);
+            worst
+        };
+        let all: Vec<Vec<&Row>> = scenarios.iter().map(|scenario| of(scenario)).collect();
+        let mut counts: Vec<(u32, bool)> =
+            all.iter().flatten().map(|row| (row.micro_steps, row.chosen)).collect();
+        counts.sort_unstable();
+        counts.dedup();
+        let marked = counts.into_iter().map(|(count, chosen)| {
+            (f64::from(count), format!("{count} {}", if chosen { "(chosen)" } else { "(forced)" }))
+        });
+        let across = Axis::log("micro-steps in a step", "").marked(marked.collect());
+        let series = all.iter().enumerate();
+        let series = series
+            .map(|(k, rows)| errors(rows, Ink::Nth(k), Mark::Dots, |row| row.micro_steps.into()));
+        let plot = Plot::new("Worst state", across, Axis::log("error", "%")).sized(560.0, 240.0);
+        Plot { series: series.collect(), zoom: false, ..plot }
     }
 }
 
-fn line(page: &mut String, rows: &[&Row], colour: &str, fill: &str) {
-    let shown: Vec<_> = rows.iter().filter(|row| row.relative_rms > 0.0).collect();
-    let path = CHART.path(shown.iter().map(|row| (row.step_us, row.relative_rms)));
-    let dash = if fill == "none" { " stroke-dasharray=\"2 3\"" } else { "" };
-    let _ = write!(page, "<path d=\"{path}\" fill=none stroke=\"{colour}\"{dash} />");
-    for row in shown {
-        let _ = write!(
-            page,
-            "<circle cx={:.1} cy={:.1} r=3 fill=\"{fill}\" stroke=\"{colour}\"><title>{}, {}, {} µs, \
-             {} micro-steps: {:.4} %</title></circle>",
-            CHART.x(row.step_us),
-            CHART.y(row.relative_rms),
+/// The errors of rows, each with what it says.
+fn errors<'a>(rows: &[&'a Row], ink: Ink, mark: Mark, across: fn(&Row) -> f64) -> Series<'a> {
+    let shown = || rows.iter().filter(|row| row.relative_rms > 0.0);
+    let notes = shown().map(|row| {
+        format!(
+            "{}, {}, {} µs, {} micro-steps, {}: {:.4} %",
             row.scenario,
             row.scalar,
             row.step_us,
             row.micro_steps,
+            row.state,
             100.0 * row.relative_rms
-        );
-    }
+        )
+    });
+    let name = rows.first().map_or("", |row| row.scenario);
+    let x: Vec<f64> = shown().map(|row| across(row)).collect();
+    let y: Vec<f64> = shown().map(|row| 100.0 * row.relative_rms).collect();
+    Series { notes: notes.collect(), ..Series::new(name, ink, mark, x, y) }
 }
-
-fn axes(page: &mut String) {
-    let Chart { left, top, .. } = CHART;
-    let (right, bottom) = (CHART.end(), CHART.floor());
-    for decade in CHART.up.0 as i32..=CHART.up.1 as i32 {
-        let y = CHART.y(10.0_f64.powi(decade));
-        let (label, per_cent) = (left - 5.0, decade + 2);
-        let text = if (-2..=2).contains(&per_cent) {
-            format!("{} %", 10.0_f64.powi(per_cent))
-        } else {
-            format!("1e{per_cent} %")
-        };
-        let _ = write!(
-            page,
-            "<path d=\"M{left} {y:.1}H{right}\" class=grid /><text x={label} y={:.1} \
-             text-anchor=end>{text}</text>",
-            y + 3.5
-        );
-    }
-    for step in [10.0, 25.0, 50.0, 100.0] {
-        let x = CHART.x(step);
-        let _ = write!(
-            page,
-            "<path d=\"M{x:.1} {top}V{bottom}\" class=grid /><text x={x:.1} y={:.1} \
-             text-anchor=middle>{step}</text>",
-            bottom + 14.0
-        );
-    }
-    let _ = write!(
-        page,
-        "<text x={:.1} y={:.1} text-anchor=middle>step, µs</text>",
-        0.5 * (left + right),
-        CHART.height - 6.0
-    );
-}
-
-const HEAD: &str = "<!doctype html>
-<html lang=en><head><meta charset=utf-8><title>Cross-check</title><style>
-body{font:14px system-ui,sans-serif;margin:24px;color:#222;background:#fff}
-.panels{display:flex;flex-wrap:wrap;gap:12px}
-svg text{font:10px system-ui,sans-serif;fill:#444}
-svg .title{font-size:13px;fill:#000}
-.grid{stroke:#e4e4e4;fill:none}
-.bound{stroke:#888;stroke-width:3;fill:none}
-.legend span{margin-right:14px}
-pre{font-size:12px;overflow-x:auto}
-</style></head><body>
-<h1>The embedded step against the reference</h1>
-<p>Relative RMS error of each state over the step, sampled every 100 µs over each scenario of
-0.1 s of the paper's joint. Point at a dot for its number.</p>
-";

@@ -6,16 +6,14 @@
 //! micro-step and of one evaluation of the equations in f32 (`firmware/src/bin/prices.rs`); explicit
 //! methods are charged for their evaluations alone.
 
-use std::fmt::Write;
-
 use joint_core::joint::Method as Stepping;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::chart::Chart;
 use super::{CrossCheckError, Quantity, REFERENCE_STEP_S};
 use crate::model::Model;
 use crate::plant::{self, Layout, ScalarKind, Snapshot};
+use crate::plot::{Axis, Ink, Mark, Plot, Series};
 use crate::reference::{self, Equations, Held, Method, Options};
 use crate::scenario::Scenario;
 
@@ -174,97 +172,26 @@ fn errors(model: &Model, scenario: &Scenario) -> Result<Vec<f64>, CrossCheckErro
     Ok(all)
 }
 
-const CHART: Chart = Chart {
-    width: 760.0,
-    height: 460.0,
-    left: 70.0,
-    right: 180.0,
-    top: 40.0,
-    bottom: 50.0,
-    across: (2.5, 6.2),
-    up: (-5.0, -0.3),
-};
-const COLOURS: [&str; 6] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#555555", "#d55e00"];
-
-/// The plot.
-pub fn svg(points: &[Point]) -> String {
-    let Chart { width, height, left, top, .. } = CHART;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-         font-family=\"system-ui,sans-serif\" font-size=\"12\" fill=\"#333\">\
-         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\
-         <text x=\"{left}\" y=\"22\" font-size=\"15\">Worst state over all scenarios, over instructions \
-         in 50 µs on a Cortex-M4</text>"
-    );
-    axes(&mut svg);
+/// The points as a plot: filled with every scenario, rings without each point's worst.
+pub fn plot(points: &[Point]) -> Plot<'_> {
     let mut methods: Vec<&str> = points.iter().map(|point| point.method).collect();
     methods.dedup();
-    for (k, (method, colour)) in methods.iter().zip(COLOURS.iter().cycle()).enumerate() {
-        let own: Vec<&Point> = points.iter().filter(|point| point.method == *method).collect();
-        for (of, dash, fill) in [
-            ((|p: &Point| p.error) as fn(&Point) -> f64, "", *colour),
-            (|p: &Point| p.error_but_worst, " stroke-dasharray=\"3 3\"", "#fff"),
-        ] {
-            let path = CHART.path(own.iter().map(|point| (point.instructions, of(point))));
-            let _ = write!(svg, "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\"{dash}/>");
-            for point in &own {
-                let (x, y) = (CHART.x(point.instructions), CHART.y(of(point)));
-                let _ = write!(
-                    svg,
-                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{fill}\" stroke=\"{colour}\"/>"
-                );
-            }
-        }
-        for point in &own {
-            let (x, y) = (CHART.x(point.instructions) + 6.0, CHART.y(point.error) - 6.0);
-            let _ = write!(
-                svg,
-                "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"10\">{}</text>",
-                point.setting
-            );
-        }
-        let (x, y) = (CHART.end() + 14.0, top + 16.0 + 20.0 * k as f64);
-        let _ = write!(svg, "<text x=\"{x}\" y=\"{y}\" fill=\"{colour}\">● {method}</text>");
+    let mut series = Vec::new();
+    for (k, method) in methods.into_iter().enumerate() {
+        let own = || points.iter().filter(|point| point.method == method);
+        let along = |error: fn(&Point) -> f64| -> [Vec<f64>; 2] {
+            [own().map(|p| p.instructions).collect(), own().map(|p| 100.0 * error(p)).collect()]
+        };
+        let [x, y] = along(|point| point.error_but_worst);
+        series.push(Series::new("", Ink::Nth(k), Mark::Rings, x, y));
+        let [x, y] = along(|point| point.error);
+        let labels = own().map(|point| point.setting.clone()).collect();
+        let notes = own().map(|p| format!("{}, {}: {:.3} %", method, p.setting, 100.0 * p.error));
+        let notes = notes.collect();
+        series.push(Series { labels, notes, ..Series::new(method, Ink::Nth(k), Mark::Dots, x, y) });
     }
-    let (x, y) = (CHART.end() + 14.0, top + 16.0 + 20.0 * methods.len() as f64);
-    let _ = writeln!(
-        svg,
-        "<text x=\"{x}\" y=\"{y}\">○ without each point's</text><text x=\"{x}\" y=\"{}\">worst \
-         scenario</text></svg>",
-        y + 15.0
-    );
-    svg
-}
-
-fn axes(svg: &mut String) {
-    let Chart { left, top, .. } = CHART;
-    let (right, bottom) = (CHART.end(), CHART.floor());
-    for (error, label) in
-        [(1e-5, "0.001 %"), (1e-4, "0.01 %"), (1e-3, "0.1 %"), (1e-2, "1 %"), (1e-1, "10 %")]
-    {
-        let (y, width) = (CHART.y(error), if error == 1e-2 { 2 } else { 1 });
-        let _ = write!(
-            svg,
-            "<path d=\"M{left} {y:.1}H{right}\" stroke=\"#ddd\" stroke-width=\"{width}\"/>\
-             <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
-            left - 6.0,
-            y + 4.0
-        );
-    }
-    for (instructions, label) in [(1e3, "1000"), (1e4, "10 000"), (1e5, "100 000"), (1e6, "10⁶")]
-    {
-        let x = CHART.x(instructions);
-        let _ = write!(
-            svg,
-            "<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"#ddd\"/>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
-            bottom + 18.0
-        );
-    }
-    let _ = write!(
-        svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">instructions</text>",
-        0.5 * (left + right),
-        CHART.height - 10.0
-    );
+    let across = Axis::log("instructions in 50 µs on a Cortex-M4", "").within([300.0, 2e6]);
+    let up = Axis::log("worst state over all scenarios (ring: without the worst scenario)", "%");
+    let plot = Plot::new("", across, up.within([1e-6, 50.0])).sized(860.0, 420.0).explained();
+    Plot { series, zoom: false, ..plot }
 }

@@ -27,6 +27,46 @@ fn a_running_joint_in_f32_at_a_drive_step_stays_within_one_per_cent() {
     }
 }
 
+/// As [`bound`] has it for their number; a guard of the method's order, which the joint's own choice of
+/// five would hide.
+#[test]
+fn fewer_micro_steps_than_the_joint_chooses_cost_a_bound_only_across_breakaway() {
+    let model = paper();
+    for scenario in ALL {
+        let inputs = scenario.inputs();
+        let exact = reference::simulate(&model, &inputs, &Options::default()).unwrap();
+        let holds = |micro_steps| {
+            let (scalar, step) = (ScalarKind::F32, Some(50e-6));
+            let run = plant::simulate(&model, &inputs, scalar, step, Some(micro_steps)).unwrap();
+            Quantity::of(model.stages.len()).into_iter().all(|quantity| {
+                let most = bound(50.0, micro_steps, quantity).unwrap();
+                quantity.relative_rms(&exact, &run) <= most
+            })
+        };
+        let wiggle = scenario.name == ALL[5].name;
+        assert_eq!([1, 2].map(holds), [!wiggle, true], "{}", scenario.name);
+    }
+}
+
+#[test]
+fn forced_micro_steps_are_a_study_that_has_no_bound_and_breaks_none() {
+    let row = |micro_steps, chosen, bound| Row {
+        scenario: "wiggle",
+        method: if chosen { CHOSEN } else { "embedded-forced-1" },
+        scalar: "f32",
+        step_us: 50.0,
+        state: "stage1_speed".to_owned(),
+        relative_rms: 0.05,
+        bound,
+        micro_steps,
+        chosen,
+    };
+    let mut check = CrossCheck { rows: vec![row(1, false, None)], speed: None };
+    assert!(check.passed() && check.to_string().contains(" study  stage1_speed"), "{check}");
+    check.rows.push(row(5, true, Some(0.01)));
+    assert!(!check.passed() && check.to_string().contains("1 of 2 rows break"), "{check}");
+}
+
 #[test]
 fn the_step_converges_to_the_reference_across_reversals() {
     let wiggle = ALL[5].lasting(0.03);

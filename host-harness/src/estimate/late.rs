@@ -7,10 +7,10 @@
 use std::borrow::Cow;
 
 use joint_core::effect::Kind;
+use joint_core::effect::sensor_delay::delay_s;
 use joint_core::params::Location;
 
 use super::record::{CHANNELS, Channel, Record};
-use crate::encoders::delay;
 use crate::model::Model;
 
 /// A record's measurements by the sample at which they were true.
@@ -40,7 +40,7 @@ impl<'a> Late<'a> {
         for (channel, encoder) in
             [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
         {
-            let samples = (delay(model, encoder) / interval).round();
+            let samples = (delay_s(&model.effects, encoder) / interval).round();
             if samples != 0.0 && samples.abs() < record.len() as f64 {
                 let c = channel as usize;
                 late.by[c] += samples * interval;

@@ -1,7 +1,7 @@
 //! The answer in a sentence, for the reader who stops there.
 
-use super::text::{escape, number, per_cent, with_sigma};
 use crate::discover::findings::{Answer, Findings, Named, Whereabouts};
+use crate::plot::text::{escape, number, per_cent, with_sigma};
 
 /// The headline, as HTML.
 pub(super) fn sentence(findings: &Findings) -> String {

@@ -6,10 +6,7 @@ mod answer;
 mod csv;
 mod gap;
 mod page;
-pub(crate) mod plot;
-pub(crate) mod series;
 mod tables;
-pub(crate) mod text;
 
 #[cfg(test)]
 mod tests;

@@ -2,38 +2,35 @@
 
 use std::fmt::Write;
 
-use super::plot::{Mark, Plot, Series};
-use super::series::bands;
-use super::text::{escape, number};
 use super::{answer, csv, gap, tables};
 use crate::discover::findings::{Findings, Shape};
+use crate::plot;
+use crate::plot::text::{escape, number};
+use crate::plot::{Axis, Ink, Legend, Mark, Plot, Series, bands, legend};
 
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
-const LEGEND: &str = "<p class=legend><span class=\"key before\"></span> before: the nominal \
-    structure, refitted <span class=\"key after\"></span> after: with the effects found";
+const BEFORE: (Legend, &str) = (Legend::Of(Ink::Before), "before: the nominal structure, refitted");
+const AFTER: (Legend, &str) = (Legend::Of(Ink::After), "after: with the effects found");
+const FLOOR: (Legend, &str) = (Legend::Upright(Ink::Text), "floor: what noise alone leaves");
+const HELD_OUT: (Legend, &str) = (Legend::Shade, "held out: no fit has seen it");
+/// Width of a plot's field, pixels.
+const WIDTH: f64 = 952.0;
 /// Strongest orders that are listed.
 const STRONGEST: usize = 6;
 
 /// Writes the page.
 pub(super) fn page(findings: &Findings) -> String {
     let verdict = &findings.verdict;
-    let name = escape(&findings.nominal.name);
+    let name = &findings.nominal.name;
     let class = verdict.verdict.name();
     let mut page = format!(
-        "<!doctype html>\n<html lang=en><head><meta charset=utf-8>\
-         <meta name=viewport content=\"width=device-width\"><title>{name}: {class}</title>\
-         <style>{STYLE}</style></head><body>\n<h1>What the model of {name} misses</h1>\n\
-         <div class=\"answer {class}\"><p class=first>{}</p><p>{}</p></div>\n",
+        "<h1>What the model of {} misses</h1>\n\
+         <div class=\"answer {class}\"><p class=\"first\">{}</p><p>{}</p></div>\n",
+        escape(name),
         answer::sentence(findings),
         answer::gap(findings)
     );
     tables::effects(&mut page, &verdict.effects);
-    let _ = writeln!(
-        page,
-        "<h2>How far</h2>{LEGEND} <span class=\"key floor\"></span> floor: what noise alone \
-         leaves</p>"
-    );
+    let _ = writeln!(page, "<h2>How far</h2>\n{}", legend(&[BEFORE, AFTER, FLOOR]));
     gap::section(&mut page, &verdict.gap);
     whereabouts(&mut page, findings);
     residuals(&mut page, findings);
@@ -55,68 +52,54 @@ pub(super) fn page(findings: &Findings) -> String {
     tables::noises(&mut page, &findings.noises);
     let _ = writeln!(
         page,
-        "<h2>The improved model</h2>\n<pre>{}</pre>\n<p class=note>Found in {} s.</p>\n\
-         <script>{SCRIPT}</script></body></html>",
+        "<h2>The improved model</h2>\n<pre>{}</pre>\n<p class=note>Found in {} s.</p>",
         escape(&findings.improved.to_toml()),
         number(verdict.seconds)
     );
-    page
+    plot::page(&format!("{name}: {class}"), &page)
 }
 
 fn whereabouts(page: &mut String, findings: &Findings) {
     let (push, shape) = (&findings.push, &findings.shape);
     let equation = if push.equation.is_empty() { "equation" } else { &push.equation };
-    let up = format!("push, {}", push.unit);
+    let push_axis = || Axis::linear("push", push.unit);
     let _ = writeln!(
         page,
         "<h2>Where they disagree</h2>\n<p>Where the refitted model and the log disagree, {}. The \
-         push is what the log asks to be added to that equation, wandering freely.</p>{LEGEND}</p>",
-        answer::place(&findings.verdict.whereabouts)
+         push is what the log asks to be added to that equation, wandering freely.</p>{}",
+        answer::place(&findings.verdict.whereabouts),
+        legend(&[BEFORE, AFTER])
     );
-    against(page, &format!("Push on the {equation} against {}", shape.coordinate), &up, shape);
+    let against = |title: String, shape: &Shape| {
+        let plot = Plot::new(title, Axis::linear(&*shape.coordinate, ""), push_axis());
+        let series = pair(Mark::Dots, &shape.centres, &shape.before, &shape.after);
+        Plot { series, ..plot }.svg()
+    };
+    let title = format!("Push on the {equation} against {}", shape.coordinate);
+    page.push_str(&against(title, shape));
     for (kind, shape) in &findings.along_effects {
         let (axis, kind) = (&shape.coordinate, kind.spec().kind);
         let title = format!("Push on the {equation} against {axis}, with which {kind} varies");
-        against(page, &title, &up, shape);
+        page.push_str(&against(title, shape));
     }
-    Plot {
-        title: &format!("Push on the {equation} along the log"),
-        across: "t, s",
-        up: &up,
-        height: 150.0,
-        mark: Mark::Line,
-        bands: &bands(&findings.time_s, &findings.held_out),
-        series: &pair(&findings.time_s, &push.before, &push.after),
-    }
-    .draw(page);
-    orders(page, findings, &up);
+    let title = format!("Push on the {equation} along the log");
+    let plot = Plot::new(title, Axis::linear("t", "s"), push_axis()).sized(WIDTH, 150.0);
+    let series = pair(Mark::Line, &findings.time_s, &push.before, &push.after);
+    let bands = bands(&findings.time_s, &findings.held_out);
+    page.push_str(&Plot { series, bands, ..plot }.svg());
+    orders(page, findings);
 }
 
-fn against(page: &mut String, title: &str, up: &str, shape: &Shape) {
-    Plot {
-        title,
-        across: &shape.coordinate,
-        up,
-        height: 190.0,
-        mark: Mark::Dots,
-        bands: &[],
-        series: &pair(&shape.centres, &shape.before, &shape.after),
-    }
-    .draw(page);
-}
-
-fn orders(page: &mut String, findings: &Findings, up: &str) {
+fn orders(page: &mut String, findings: &Findings) {
     let column = |k: usize| -> Vec<f64> { findings.orders.iter().map(|row| row[k]).collect() };
-    Plot {
-        title: "Amplitude of the push by order of the motor angle",
-        across: "order, per turn",
-        up,
-        height: 120.0,
-        mark: Mark::Stems,
-        bands: &[],
-        series: &pair(&column(0), &column(1), &column(2)),
-    }
-    .draw(page);
+    let plot = Plot::new(
+        "Amplitude of the push by order of the motor angle",
+        Axis::linear("order, per turn", ""),
+        Axis::linear("push", findings.push.unit),
+    );
+    let [order, before, after] = [0, 1, 2].map(column);
+    let series = pair(Mark::Bars, &order, &before, &after);
+    page.push_str(&Plot { series, ..plot.sized(WIDTH, 120.0) }.svg());
     let mut strongest: Vec<&[f64; 3]> =
         findings.orders.iter().filter(|row| row.iter().all(|value| value.is_finite())).collect();
     strongest.sort_by(|a, b| b[1].total_cmp(&a[1]));
@@ -138,26 +121,18 @@ fn orders(page: &mut String, findings: &Findings, up: &str) {
 }
 
 fn residuals(page: &mut String, findings: &Findings) {
-    let _ = writeln!(
-        page,
-        "<h2>Prediction errors</h2>\n{LEGEND} <span class=\"key band\"></span> held out: no \
-         fit has seen it</p>"
-    );
+    let entries = legend(&[BEFORE, AFTER, HELD_OUT]);
+    let _ = writeln!(page, "<h2>Prediction errors</h2>\n{entries}");
     let bands = bands(&findings.time_s, &findings.held_out);
     for channel in csv::measured(findings) {
         let c = channel as usize;
         let before: Vec<f64> = findings.before.iter().map(|row| row[c]).collect();
         let after: Vec<f64> = findings.after.iter().map(|row| row[c]).collect();
-        Plot {
-            title: channel.column(),
-            across: "t, s",
-            up: "error, noise sigmas",
-            height: 140.0,
-            mark: Mark::Line,
-            bands: &bands,
-            series: &pair(&findings.time_s, &before, &after),
-        }
-        .draw(page);
+        let errors = Axis::linear("error, noise sigmas", "");
+        let plot = Plot::new(channel.column(), Axis::linear("t", "s"), errors);
+        let series = pair(Mark::Line, &findings.time_s, &before, &after);
+        let plot = Plot { series, bands: bands.clone(), ..plot.sized(WIDTH, 140.0) };
+        page.push_str(&plot.svg());
     }
     page.push_str(
         "<p class=note>Drag across a plot to zoom, double-click to see all of it again, point at \
@@ -165,6 +140,9 @@ fn residuals(page: &mut String, findings: &Findings) {
     );
 }
 
-fn pair<'a>(x: &'a [f64], before: &'a [f64], after: &'a [f64]) -> [Series<'a>; 2] {
-    [Series { name: "before", x, y: before }, Series { name: "after", x, y: after }]
+fn pair<'a>(mark: Mark, x: &'a [f64], before: &'a [f64], after: &'a [f64]) -> Vec<Series<'a>> {
+    vec![
+        Series::new("before", Ink::Before, mark, x, before),
+        Series::new("after", Ink::After, mark, x, after),
+    ]
 }

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use joint_core::effect::Kind;
 
-use super::text::{digits, escape, number, per_cent, with_sigma};
 use crate::discover::candidates::card;
 use crate::discover::findings::{Findings, Named, NoiseRow, ParameterRow, ScoreRow};
+use crate::plot::text::{digits, escape, number, per_cent, with_sigma};
 
 /// Hypotheses of a round that stand on the page at once; the others are folded away.
 const FIRST: usize = 8;

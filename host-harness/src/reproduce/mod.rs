@@ -8,7 +8,6 @@
 pub mod claim;
 pub mod commutation;
 pub mod driven;
-pub mod figure;
 pub mod numbers;
 mod pages;
 pub mod prescribed;

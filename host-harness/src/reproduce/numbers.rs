@@ -59,7 +59,7 @@ impl Stated {
 
 impl std::fmt::Display for Stated {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = |value| crate::report::text::digits(value, 3);
+        let digits = |value| crate::plot::text::digits(value, 3);
         let text = match self {
             Self::About(value) => digits(*value),
             Self::AtMost(value) => format!("<= {}", digits(*value)),

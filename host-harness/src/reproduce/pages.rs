@@ -1,32 +1,61 @@
 //! The figures in the paper's layout, and one page with all of them and the table.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use super::Runs;
-use super::figure::{Axes, Line, Panel, svg};
 use super::numbers::Number;
 use super::trace::Trace;
-use crate::report::text::{digits, escape};
+use crate::plot;
+use crate::plot::text::{digits, escape};
+use crate::plot::{Axis, Ink, Mark, Plot, Series, picture};
 
 const LEVELS: [&str; 3] = ["motor", "1st stage", "2nd stage"];
-const TIME: &str = "t, s";
-const SPEED: &str = "speed at the motor, rad/s";
-const ANGLE: &str = "angle at the motor, rad";
-const DIFFERENCE: &str = "motor less 2nd stage, rad";
+/// A quantity and its unit.
+type Quantity = (&'static str, &'static str);
+const SPEED: Quantity = ("speed at the motor", "rad/s");
+const ANGLE: Quantity = ("angle at the motor", "rad");
+const DIFFERENCE: Quantity = ("motor less 2nd stage", "rad");
+const SHARE: Quantity = ("speed over the reference's amplitude", "");
+const CURRENT: Quantity = ("current", "A");
+/// Width and height of a panel's field, pixels.
+const SIZE: [f64; 2] = [760.0, 200.0];
 
-/// A picture: its file's name, what it shows, and the drawing.
-pub(super) type Figure = (String, String, String);
+/// A figure: panels one above the other, as the paper stacks its a), b) and c).
+pub struct Figure<'a> {
+    /// Its file's name.
+    pub file: String,
+    /// What it shows.
+    pub title: String,
+    /// From the top down.
+    panels: Vec<Plot<'a>>,
+}
+
+impl<'a> Figure<'a> {
+    fn new(file: String, title: String, panels: Vec<Plot<'a>>) -> Self {
+        let lettered = panels.into_iter().zip('a'..).map(|(panel, letter)| Plot {
+            title: format!("{letter}) {}", panel.title).into(),
+            ..panel
+        });
+        Self { file, title, panels: lettered.collect() }
+    }
+
+    /// As an SVG file.
+    pub fn picture(&self) -> String {
+        picture(&self.panels)
+    }
+}
 
 /// Every figure with both motors, and the numerical claim.
-pub fn figures(runs: &Runs) -> Vec<Figure> {
+pub fn figures(runs: &Runs) -> Vec<Figure<'_>> {
     let mut all = Vec::new();
     for (six_step, suffix, motor) in
         [(false, "", "prescribed motor"), (true, "-six-step", "six-step motor")]
     {
         let of = |file| runs.of(file, six_step);
-        let mut add = |number: &str, title: &str, panels: Vec<Panel>| {
+        let mut add = |number: &str, title: &str, panels| {
             let title = format!("Fig. {number}: {title}, {motor}");
-            all.push((format!("figure{number}{suffix}.svg"), title, svg(&panels)));
+            all.push(Figure::new(format!("figure{number}{suffix}.svg"), title, panels));
         };
         let (free, sine, step) = (of("figure06"), of("figure08"), of("figure09"));
         add(
@@ -83,148 +112,152 @@ pub fn figures(runs: &Runs) -> Vec<Figure> {
             ],
         );
     }
-    all.push((
+    all.push(Figure::new(
         "commutation.svg".to_owned(),
         "Equations (4) to (10): three phases and their DC equivalent".to_owned(),
-        svg(&commutation(runs)),
+        commutation(runs),
     ));
-    all.push((
+    all.push(Figure::new(
         "claim.svg".to_owned(),
         "Section 5.1: error over step and over cost".to_owned(),
-        svg(&claim(runs)),
+        claim(runs),
     ));
     all
 }
 
-fn panel(title: &str, up: &'static str, window: Option<[f64; 2]>, lines: Vec<Line>) -> Panel {
-    let title = title.to_owned();
-    Panel { title, across: TIME, up, window, axes: Axes::Linear, lines }
+fn panel<'a>(
+    title: &'a str,
+    (quantity, unit): Quantity,
+    window: Option<[f64; 2]>,
+    series: Vec<Series<'a>>,
+) -> Plot<'a> {
+    let time = Axis::linear("t", "s").within(window);
+    let plot = Plot::new(title, time, Axis::linear(quantity, unit));
+    Plot { series, size: SIZE, ..plot.explained() }
 }
 
-fn line(trace: &Trace, name: &str, values: &[f64]) -> Line {
-    Line { name: name.to_owned(), x: trace.time_s.clone(), y: values.to_vec() }
+/// The first of some is black.
+fn line<'a>(k: usize, name: &'a str, x: &'a [f64], y: impl Into<Cow<'a, [f64]>>) -> Series<'a> {
+    let ink = k.checked_sub(1).map_or(Ink::Text, Ink::Nth);
+    Series::new(name, ink, Mark::Line, x, y)
 }
 
-fn reference(trace: &Trace) -> Panel {
-    let lines = vec![line(trace, "reference", &trace.reference)];
+fn reference(trace: &Trace) -> Plot<'_> {
+    let lines = vec![line(0, "reference", &trace.time_s, &trace.reference)];
     panel("reference speed of the motor", SPEED, None, lines)
 }
 
-fn levels(trace: &Trace, values: &[Vec<f64>]) -> Vec<Line> {
-    let named = LEVELS.iter().zip(values);
-    // The motor is drawn last, over the stages that swing around it.
-    named.map(|(name, values)| line(trace, name, values)).collect()
+/// The stages swing around the motor, which is drawn first.
+fn levels<'a>(trace: &'a Trace, values: Vec<Cow<'a, [f64]>>) -> Vec<Series<'a>> {
+    let named = LEVELS.iter().enumerate().zip(values);
+    named.map(|((k, name), values)| line(k, name, &trace.time_s, values)).collect()
 }
 
-fn speeds(trace: &Trace, title: &str, window: Option<[f64; 2]>) -> Panel {
-    panel(title, SPEED, window, levels(trace, &trace.speed))
+fn borrowed(values: &[Vec<f64>]) -> Vec<Cow<'_, [f64]>> {
+    values.iter().map(Cow::from).collect()
 }
 
-fn angles(trace: &Trace, title: &str, window: Option<[f64; 2]>) -> Panel {
-    panel(title, ANGLE, window, levels(trace, &trace.angle))
+fn speeds<'a>(trace: &'a Trace, title: &'a str, window: Option<[f64; 2]>) -> Plot<'a> {
+    panel(title, SPEED, window, levels(trace, borrowed(&trace.speed)))
 }
 
-fn windup(trace: &Trace) -> Panel {
-    let lines = vec![line(trace, "motor less 2nd stage", &trace.windup())];
+fn angles<'a>(trace: &'a Trace, title: &'a str, window: Option<[f64; 2]>) -> Plot<'a> {
+    panel(title, ANGLE, window, levels(trace, borrowed(&trace.angle)))
+}
+
+fn windup(trace: &Trace) -> Plot<'_> {
+    let lines = vec![line(0, "motor less 2nd stage", &trace.time_s, trace.windup())];
     panel("difference of the angles, at the motor", DIFFERENCE, None, lines)
 }
 
-fn normalised(trace: &Trace, title: &str, window: Option<[f64; 2]>) -> Panel {
+fn normalised<'a>(trace: &'a Trace, title: &'a str, window: Option<[f64; 2]>) -> Plot<'a> {
     let top = super::trace::peak(&trace.reference).max(f64::MIN_POSITIVE);
-    let scaled: Vec<Vec<f64>> =
-        trace.speed.iter().map(|level| level.iter().map(|v| v / top).collect()).collect();
-    panel(title, "speed over the reference's amplitude", window, levels(trace, &scaled))
+    let scaled = trace.speed.iter().map(|level| level.iter().map(|v| v / top).collect());
+    panel(title, SHARE, window, levels(trace, scaled.collect()))
 }
 
-fn commutation(runs: &Runs) -> Vec<Panel> {
+fn commutation(runs: &Runs) -> Vec<Plot<'_>> {
     let found = &runs.commutation;
-    let line = |name: &str, y: &[f64]| Line {
-        name: name.to_owned(),
-        x: found.time_s.clone(),
-        y: y.to_vec(),
-    };
+    let line = |k, name, y| line(k, name, &found.time_s, y);
     let [a, b, c] = &found.phases_a;
     let [three, one] = &found.speed;
     let magnified = found.time_s.first().map(|start| [*start, start + 4e-4]);
+    let phases = [a, b, c].into_iter().zip(["a", "b", "c"]).enumerate();
+    let phases = phases.map(|(k, (y, name))| line(k, name, Cow::from(y))).collect();
     vec![
-        panel("phase currents", "current, A", None, vec![line("a", a), line("b", b), line("c", c)]),
+        panel("phase currents", CURRENT, None, phases),
         panel(
             "torque over k_t",
-            "current, A",
+            CURRENT,
             magnified,
-            vec![line("three phases", &found.torque_a), line("DC equivalent", &found.equivalent_a)],
+            vec![
+                line(0, "three phases", Cow::from(&found.torque_a)),
+                line(1, "DC equivalent", Cow::from(&found.equivalent_a)),
+            ],
         ),
         panel(
             "where they differ: torque of three phases less that of (10), over it",
-            "share",
+            ("share", ""),
             None,
-            vec![line("difference", &found.difference())],
+            vec![line(0, "difference", Cow::from(found.difference()))],
         ),
         panel(
             "speed",
-            "speed, rad/s",
+            ("speed", "rad/s"),
             None,
-            vec![line("three phases", three), line("DC equivalent", one)],
+            vec![
+                line(0, "three phases", Cow::from(three)),
+                line(1, "DC equivalent", Cow::from(one)),
+            ],
         ),
     ]
 }
 
-fn claim(runs: &Runs) -> Vec<Panel> {
+fn claim(runs: &Runs) -> Vec<Plot<'_>> {
     let claim = &runs.claim;
     let methods = [
         ("Bogacki-Shampine", &claim.explicit),
         ("the drive's step, f32", &claim.embedded),
         ("never divided", &claim.undivided),
     ];
-    let lines = |of: fn(&super::claim::Point) -> f64| {
-        let mut lines: Vec<Line> = methods
+    let panel = |title, across, of: fn(&super::claim::Point) -> f64| {
+        let mut series: Vec<Series<'_>> = methods
             .iter()
-            .map(|(name, points)| {
+            .enumerate()
+            .map(|(k, (name, points))| {
                 let finite = || points.iter().filter(|point| point.error.is_finite());
-                Line {
-                    name: (*name).to_owned(),
-                    x: finite().map(of).collect(),
-                    y: finite().map(|point| point.error).collect(),
-                }
+                let x: Vec<f64> = finite().map(of).collect();
+                let y: Vec<f64> = finite().map(|point| 100.0 * point.error).collect();
+                Series::new(*name, Ink::Nth(k), Mark::Dots, x, y)
             })
             .collect();
-        let all: Vec<f64> = lines.iter().flat_map(|line| line.x.clone()).collect();
-        let low = all.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = all.iter().copied().fold(0.0, f64::max);
-        lines.push(Line { name: "1 %".to_owned(), x: vec![low, high], y: vec![0.01, 0.01] });
-        lines
-    };
-    let panel = |title: &str, across, lines| Panel {
-        title: title.to_owned(),
-        across,
-        up: "worst relative RMS error of a state",
-        window: None,
-        axes: Axes::Logarithmic,
-        lines,
+        let all = || series.iter().flat_map(|series| series.x.iter().copied());
+        let ends = vec![all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
+        series.push(Series::new("1 %", Ink::Soft, Mark::Line, ends, vec![1.0; 2]));
+        let up = Axis::log("worst relative RMS error of a state", "%");
+        Plot { series, size: SIZE, ..Plot::new(title, across, up).explained() }
     };
     vec![
-        panel("error over step", "step, us", lines(|point| point.step_us)),
+        panel("error over step", Axis::log("step", "µs"), |point| point.step_us),
         panel(
             "error over cost",
-            "time over that of Bogacki-Shampine at 0.1 us",
-            lines(|point| point.cost),
+            Axis::log("time over that of Bogacki-Shampine at 0.1 µs", ""),
+            |point| point.cost,
         ),
     ]
 }
 
 /// The table and every figure as one page that opens offline.
-pub fn page(numbers: &[Number], figures: &[Figure]) -> String {
-    let mut page = String::from(
-        "<!doctype html><html lang=en><head><meta charset=utf-8><title>The paper, reproduced</title>\
-         <style>body{font:14px sans-serif;max-width:60rem;margin:1rem auto;padding:0 1rem}\
-         table{border-collapse:collapse}td,th{border-bottom:1px solid #ddd;padding:.2rem .5rem;\
-         text-align:left;vertical-align:top}.no{background:#fdeee6}svg{max-width:100%;height:auto}\
-         </style></head><body><h1>The paper, reproduced</h1>\
+pub fn page(numbers: &[Number], figures: &[Figure<'_>]) -> String {
+    let agree = numbers.iter().filter(|row| row.agrees).count();
+    let mut body = format!(
+        "<h1>The paper, reproduced</h1>\n<p>{agree} of {} numbers agree.</p>\n\
          <table><tr><th>figure<th>quantity<th>unit<th>paper<th>ours<th>agrees<th>note</tr>\n",
+        numbers.len()
     );
     for row in numbers {
         let _ = writeln!(
-            page,
+            body,
             "<tr class={}><td>{}<td>{}<td>{}<td>{}<td>{}<td>{}{}<td>{}</tr>",
             if row.agrees { "yes" } else { "no" },
             escape(&row.figure),
@@ -237,17 +270,10 @@ pub fn page(numbers: &[Number], figures: &[Figure]) -> String {
             escape(&row.note)
         );
     }
-    page.push_str("</table>\n");
-    for (_, title, drawing) in figures {
-        // Clip paths are named by panel; each drawing keeps its own.
-        let own = drawing.replace("id=\"p", &format!("id=\"{}-p", slug(title)));
-        let own = own.replace("url(#p", &format!("url(#{}-p", slug(title)));
-        let _ = writeln!(page, "<h2>{}</h2>\n{own}", escape(title));
+    body.push_str("</table>\n");
+    for figure in figures {
+        let _ = writeln!(body, "<h2>{}</h2>", escape(&figure.title));
+        figure.panels.iter().for_each(|panel| body.push_str(&panel.svg()));
     }
-    page.push_str("</body></html>\n");
-    page
-}
-
-fn slug(title: &str) -> String {
-    title.chars().filter(char::is_ascii_alphanumeric).collect()
+    plot::page("The paper, reproduced", &body)
 }

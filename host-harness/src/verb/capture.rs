@@ -7,7 +7,7 @@ use joint_core::telemetry::{Status, Trigger};
 use serde_json::json;
 
 use super::{Common, Failure, Outcome};
-use crate::log::{compressed, write_columns};
+use crate::log::write_columns;
 use crate::output::OutFile;
 
 /// Arm a drive's capture ring and fetch it, or read a recorded stream
@@ -78,7 +78,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let samples = columns.first().map_or(0, |(_, values)| values.len());
     let trigger_at = recording.capture_head().map_or(0, |head| head.trigger_at);
     let text = write_columns(&columns);
-    let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
+    let path = out.write_table(text)?;
     let json = json!({"out": path, "samples": samples, "trigger_at": trigger_at});
     let text = format!("{}: {samples} samples, the trigger is number {trigger_at}", path.display());
     Ok(Outcome::done(json, text))

@@ -9,6 +9,7 @@ use crate::cross_check::{self, CrossCheckError, Random, Speed, pareto};
 use crate::log::Need;
 use crate::output::OutDir;
 use crate::plant::Inputs;
+use crate::plot::picture;
 use crate::scenario;
 
 /// Check f32 in the embedded method against the f64 reference on every scenario
@@ -76,12 +77,12 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         let rows = serde_json::to_string_pretty(&check.rows)
             .map_err(|error| Failure::check(error.to_string()))?;
         out.write("cross-check.json", rows)?;
-        out.write("cross-check.html", check.page())?;
         let points = pareto::run(&model, &scenario::ALL).map_err(failed)?;
         let text = serde_json::to_string_pretty(&points)
             .map_err(|error| Failure::check(error.to_string()))?;
         out.write("pareto.json", text)?;
-        out.write("pareto.svg", pareto::svg(&points))?;
+        out.write("pareto.svg", picture(&[pareto::plot(&points)]))?;
+        out.write("cross-check.html", check.page(&points))?;
     }
     let json = json!({
         "passed": check.passed(), "rows": check.rows, "broken": check.broken(), "speed": check.speed,

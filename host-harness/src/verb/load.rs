@@ -2,9 +2,33 @@
 
 use std::path::Path;
 
+use clap::ValueEnum;
+
 use super::Failure;
 use crate::log::{Log, Need};
 use crate::model::Model;
+use crate::plant::ScalarKind;
+
+/// Which number a verb computes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Scalar {
+    /// Double precision
+    F64,
+    /// Single precision, bit for bit as on the drive
+    F32,
+    /// Fixed point, bit for bit as on a drive without a floating-point unit
+    Fixed,
+}
+
+impl From<Scalar> for ScalarKind {
+    fn from(scalar: Scalar) -> Self {
+        match scalar {
+            Scalar::F64 => Self::F64,
+            Scalar::F32 => Self::F32,
+            Scalar::Fixed => Self::Fixed,
+        }
+    }
+}
 
 /// Reads a model file.
 ///

@@ -27,7 +27,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::fault::InputError;
 
-pub use load::{read_log, read_model};
+pub use load::{Scalar, read_log, read_model};
 
 /// Options that every verb has.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]

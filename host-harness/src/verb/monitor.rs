@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::{Common, Failure, Outcome};
-use crate::log::{compressed, write_columns};
+use crate::log::write_columns;
 use crate::output::OutFile;
 use crate::probe::Recording;
 use crate::probe::recording::greeting;
@@ -41,13 +41,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let recording = args.source.monitor(args.every, args.seconds)?;
     let columns = recording.log().ok_or_else(|| args.source.silent())?;
     let hello = recording.hello.map(|hello| greeting(&hello)).unwrap_or_default();
-    let path = match &out {
-        Some(out) => {
-            let text = write_columns(&columns);
-            Some(out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?)
-        }
-        None => None,
-    };
+    let path = out.map(|out| out.write_table(write_columns(&columns))).transpose()?;
     let json = json!({
         "out": path,
         "reports": recording.reports.len(),

@@ -2,19 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use joint_core::per_unit::Bases;
 use serde_json::json;
 
-use super::{Common, Failure, Outcome, read_log, read_model};
-use crate::log::{Log, Need, compressed};
+use super::{Common, Failure, Outcome, Scalar, read_log, read_model};
+use crate::log::{Log, Need};
 use crate::model::Model;
 use crate::observe::design::Tuning;
 use crate::observe::drive;
 use crate::observe::over::Samples;
 use crate::observe::table;
 use crate::output::OutFile;
-use crate::plant::{BuildError, ScalarKind, by_stages};
+use crate::plant::{BuildError, by_stages};
 
 /// Run the on-drive observer over a log
 ///
@@ -51,17 +50,6 @@ pub struct Args {
     pub rated_load_nm: Option<f64>,
 }
 
-/// Which number the observer computes in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Scalar {
-    /// Double precision
-    F64,
-    /// Single precision, bit for bit as on the drive
-    F32,
-    /// Fixed point, as on a drive without a floating-point unit
-    Fixed,
-}
-
 /// Runs the verb.
 ///
 /// # Errors
@@ -73,7 +61,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         (None, Some(model)) => designed(args, model, common)?,
         (None, None) => return Err(Failure::input("a --model or a --block is needed")),
     };
-    let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
+    let path = out.write_table(text)?;
     Ok(Outcome::done(
         json!({"out": path, "model": name, "samples": samples}),
         format!("{}: {samples} samples of {name}", path.display()),
@@ -124,12 +112,7 @@ fn observed_by<const N: usize>(
     let samples = Samples::of(log);
     let rating = samples.rating::<N>(model, args.rated_load_nm)?;
     let tuning = Tuning::default();
-    let scalar = match args.scalar {
-        Scalar::F64 => ScalarKind::F64,
-        Scalar::F32 => ScalarKind::F32,
-        Scalar::Fixed => ScalarKind::Fixed,
-    };
-    let found = samples.observed::<N>(model, &rating, &tuning, scalar)?;
+    let found = samples.observed::<N>(model, &rating, &tuning, args.scalar.into())?;
     let bases = Bases::si(&model.motor, &model.stages);
     let shafts = std::array::from_fn(|k| bases.shaft(k + 1));
     Ok(format!("{}\n{}", table::header(N), table::rows(&log.time_s, &found, &shafts)))

@@ -37,8 +37,8 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
             value.map_err(|error| Failure::check(error.to_string()))
         };
         let figures = reproduce::figures(&runs);
-        for (name, _, drawing) in &figures {
-            out.write(name, drawing)?;
+        for figure in &figures {
+            out.write(&figure.file, figure.picture())?;
         }
         out.write("reproduce.html", reproduce::page(&numbers, &figures))?;
         out.write("claim.json", text(serde_json::to_string_pretty(&runs.claim))?)?;
@@ -57,7 +57,7 @@ fn table(numbers: &[Number]) -> String {
             "1" => row.quantity.clone(),
             unit => format!("{}, {unit}", row.quantity),
         };
-        let ours = crate::report::text::digits(row.ours, 3);
+        let ours = crate::plot::text::digits(row.ours, 3);
         let agrees = if row.agrees { "yes" } else { "no" };
         let tuned = if row.tuned { " (tuned)" } else { "" };
         text.push_str(&format!(

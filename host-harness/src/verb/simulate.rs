@@ -8,11 +8,11 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use serde_json::json;
 
-use super::{Common, Failure, Outcome, read_log, read_model};
-use crate::log::{Need, compressed, write_columns};
+use super::{Common, Failure, Outcome, Scalar, read_log, read_model};
+use crate::log::{Need, write_columns};
 use crate::model::Model;
 use crate::output::OutFile;
-use crate::plant::{Inputs, ScalarKind, Snapshot};
+use crate::plant::{Inputs, Snapshot};
 use crate::reference::{self, ReferenceError};
 use crate::simulated;
 
@@ -60,17 +60,6 @@ pub enum Method {
     Reference,
 }
 
-/// Which number the embedded method computes in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Scalar {
-    /// Double precision
-    F64,
-    /// Single precision, bit for bit as on the drive
-    F32,
-    /// Fixed point, bit for bit as on a drive without a floating-point unit
-    Fixed,
-}
-
 /// Runs the verb.
 ///
 /// # Errors
@@ -90,7 +79,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         )));
     }
     let text = write_columns(&simulated::columns(&model, &log, &snapshots));
-    let path = out.write(if out.gzip() { compressed(&text) } else { text.into_bytes() })?;
+    let path = out.write_table(text)?;
     let samples = snapshots.len();
     Ok(Outcome::done(
         json!({"out": path, "model": model.name, "samples": samples}),
@@ -105,12 +94,7 @@ fn solve(args: &Args, model: &Model, inputs: &Inputs) -> Result<Vec<Snapshot>, F
     let step_s = args.step_us.map(|step| step * 1e-6);
     match (args.method, args.scalar) {
         (Method::Embedded, scalar) => {
-            let scalar = match scalar {
-                Scalar::F64 => ScalarKind::F64,
-                Scalar::F32 => ScalarKind::F32,
-                Scalar::Fixed => ScalarKind::Fixed,
-            };
-            crate::plant::simulate(model, inputs, scalar, step_s, None).map_err(refused)
+            crate::plant::simulate(model, inputs, scalar.into(), step_s, None).map_err(refused)
         }
         (Method::Reference, Scalar::F64) => {
             let method = match step_s {

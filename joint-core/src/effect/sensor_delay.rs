@@ -1,11 +1,12 @@
 //! An encoder that is late: a filter in its chip, a bus that polls it, a clock of its own.
 //!
-//! It shows the angle of `d` seconds ago. Here, where the past is not kept, that is `q − d ω`;
-//! whoever has the record shifts it by whole samples first. Source: any drive with two encoders on
-//! different buses.
+//! It shows the angle of `d` seconds ago, `q(t − d)`; several delays of one encoder add ([`delay_s`]).
+//! Where the past is not kept that is `q − d ω` ([`lag_rad`]). Whoever has the record takes the angle
+//! from it, or shifts it by whole samples and leaves the rest to the lag. Source: any drive with two
+//! encoders on different buses.
 
 use super::hooks::Effects;
-use super::{ParameterSpec, Place, Spec};
+use super::{EffectParameters, Kind, ParameterSpec, Place, Spec};
 use crate::batch::batch;
 use crate::angle::Angle;
 use crate::params::Location;
@@ -19,6 +20,19 @@ pub const SPEC: Spec = Spec {
     example: (Location::Encoder, &[("delay_s", 4e-4)]),
     remembers: false,
 };
+
+/// How late these effects make an encoder, s.
+pub fn delay_s(effects: &[EffectParameters], encoder: Location) -> f64 {
+    let own = |effect: &&EffectParameters| {
+        effect.kind == Kind::SensorDelay && effect.location == encoder
+    };
+    effects.iter().filter(own).filter_map(|effect| effect.get("delay_s")).sum()
+}
+
+/// What an encoder that is so late shows beside the angle, rad, at a speed in rad/s: `−d ω`.
+pub fn lag_rad(delay_s: f64, speed_rad_per_s: f64) -> f64 {
+    -delay_s * speed_rad_per_s
+}
 
 /// The law for one encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +54,7 @@ impl<S: Scalar> SensorDelay<S> {
     /// From the values of [`SPEC`]; `speed` is the unit of speed at the encoder's shaft, rad/s.
     pub fn new(output: bool, values: &[f64], speed: f64) -> Self {
         let delay: f64 = values.first().copied().unwrap_or(0.0);
-        Self { output, turns: S::gain(-delay * speed / core::f64::consts::TAU) }
+        Self { output, turns: S::gain(lag_rad(delay, speed) / core::f64::consts::TAU) }
     }
 }
 
@@ -61,5 +75,15 @@ mod tests {
         let error = law.encoder_error(true, Angle::default(), 5.0) * core::f64::consts::TAU;
         assert!((error + 1e-2).abs() < 1e-12);
         assert_eq!(law.encoder_error(false, Angle::default(), 5.0), 0.0);
+    }
+
+    #[test]
+    fn delays_of_one_encoder_add_and_the_other_is_not_late() {
+        let late = |encoder, delay| {
+            EffectParameters::new(Kind::SensorDelay, encoder).with("delay_s", delay)
+        };
+        let both = [late(Location::Encoder, 1e-3), late(Location::Encoder, 2e-3)];
+        assert_eq!(delay_s(&both, Location::Encoder), 1e-3 + 2e-3);
+        assert_eq!(delay_s(&both, Location::OutputEncoder), 0.0);
     }
 }

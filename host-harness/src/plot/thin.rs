@@ -7,7 +7,7 @@
 const COLUMNS: usize = 1000;
 
 /// The finite points of a series, thinned, and split where it has a long hole.
-pub(crate) fn thinned(x: &[f64], y: &[f64]) -> Vec<Vec<[f64; 2]>> {
+pub(super) fn thinned(x: &[f64], y: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let all = x.iter().zip(y).map(|(x, y)| [*x, *y]);
     let points: Vec<[f64; 2]> = all.filter(|p| p[0].is_finite() && p[1].is_finite()).collect();
     let Some([low, high]) = range(points.iter().map(|p| p[0])) else {
@@ -48,7 +48,7 @@ fn few(points: Vec<[f64; 2]>, low: f64, span: f64) -> Vec<[f64; 2]> {
 }
 
 /// Least and greatest of the finite values.
-pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     values.filter(|value| value.is_finite()).fold(None, |range, value| match range {
         Some([low, high]) => Some([low.min(value), high.max(value)]),
         None => Some([value, value]),
@@ -56,7 +56,7 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
 }
 
 /// From when to when a flag is set, in seconds; what is nearer than a pixel is one band.
-pub(super) fn bands(time: &[f64], flags: &[bool]) -> Vec<[f64; 2]> {
+pub fn bands(time: &[f64], flags: &[bool]) -> Vec<[f64; 2]> {
     let Some([low, high]) = range(time.iter().copied()) else {
         return Vec::new();
     };

@@ -4,7 +4,7 @@
 const NONE: &str = "&ndash;";
 
 /// Text as it may stand in HTML, inside quotes as well.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -20,7 +20,7 @@ pub(crate) fn escape(text: &str) -> String {
 }
 
 /// A number in so many significant digits.
-pub(crate) fn digits(value: f64, digits: usize) -> String {
+pub fn digits(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
     }
@@ -40,12 +40,12 @@ pub(crate) fn digits(value: f64, digits: usize) -> String {
 }
 
 /// A number in four significant digits.
-pub(super) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     digits(value, 4)
 }
 
 /// A value with its sigma: as many digits as the sigma warrants.
-pub(super) fn with_sigma(value: f64, sigma: Option<f64>) -> String {
+pub fn with_sigma(value: f64, sigma: Option<f64>) -> String {
     let Some(sigma) = sigma.filter(|sigma| sigma.is_finite() && *sigma > 0.0) else {
         return number(value);
     };
@@ -55,7 +55,7 @@ pub(super) fn with_sigma(value: f64, sigma: Option<f64>) -> String {
 }
 
 /// A share in per cent; near one it says so instead of rounding to it.
-pub(super) fn per_cent(share: f64) -> String {
+pub fn per_cent(share: f64) -> String {
     match share {
         share if !share.is_finite() => NONE.to_owned(),
         share if share > 0.99 && share < 1.0 => "over 99 %".to_owned(),

@@ -1,7 +1,8 @@
 'use strict';
-for (const plot of document.querySelectorAll('svg.plot')) {
+for (const plot of document.querySelectorAll('svg.zoom')) {
   const field = plot.querySelector('.field'), ticks = plot.querySelector('.ticks');
-  const hover = plot.querySelector('.hover'), data = plot.dataset;
+  const hover = plot.querySelector('.hover'), names = plot.querySelector('.names');
+  const data = plot.dataset, log = {x: +data.xlog, y: +data.ylog};
   const full = {x: [+data.x0, +data.x1], y: [+data.y0, +data.y1]};
   const left = +field.getAttribute('x'), top = +field.getAttribute('y');
   const width = +field.getAttribute('width'), height = +field.getAttribute('height');
@@ -16,11 +17,24 @@ for (const plot of document.querySelectorAll('svg.plot')) {
     let points = path.getAttribute('d').split(/[ML]/).slice(1).map(p => p.split(' ').map(Number));
     if (stem) points = points.filter((_, k) => k % 2);
     return {name: path.dataset.name, points};
-  });
+  }).filter(line => line.name);
   let seen = [0, width, 0, height], from = null;
   const value = {
     x: p => full.x[0] + p / width * (full.x[1] - full.x[0]),
     y: p => full.y[1] - p / height * (full.y[1] - full.y[0]),
+  };
+  // Of a logarithmic axis the numbers are powers of ten.
+  const shown = (axis, v, digits) => (log[axis] ? 10 ** v : v).toPrecision(digits);
+  const decades = (low, high) => {
+    const all = [], within = high - low > 3.5 ? [1] : [1, 2, 5];
+    for (let power = Math.floor(low); power <= high; power++) {
+      for (const factor of within) {
+        const at = power + Math.log10(factor), label = String(+(factor * 10 ** power).toPrecision(1));
+        if (at >= low && at <= high) all.push([at, label]);
+      }
+    }
+    if (all.length > 1) return all;
+    return round(10 ** low, 10 ** high, 3).map(([v, label]) => [Math.log10(v), label]);
   };
   const round = (low, high, about) => {
     const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw));
@@ -36,12 +50,12 @@ for (const plot of document.querySelectorAll('svg.plot')) {
     field.setAttribute('viewBox', `${x} ${y} ${w} ${h}`);
     ticks.replaceChildren();
     const low = value.x(x), high = value.x(x + w), under = value.y(y + h), over = value.y(y);
-    for (const [v, label] of round(low, high, 10)) {
+    for (const [v, label] of log.x ? decades(low, high) : round(low, high, Math.max(3, width / 95))) {
       const at = left + (v - low) / (high - low) * width;
       make('path', {d: `M${at} ${top}V${top + height}`, class: 'grid'}, ticks);
       make('text', {x: at, y: top + height + 14, 'text-anchor': 'middle'}, ticks).textContent = label;
     }
-    for (const [v, label] of round(under, over, 5)) {
+    for (const [v, label] of log.y ? decades(under, over) : round(under, over, Math.max(3, height / 28))) {
       const at = top + (over - v) / (over - under) * height;
       make('path', {d: `M${left} ${at}H${left + width}`, class: 'grid'}, ticks);
       make('text', {x: left - 5, y: at + 3.5, 'text-anchor': 'end'}, ticks).textContent = label;
@@ -65,11 +79,16 @@ for (const plot of document.querySelectorAll('svg.plot')) {
     const near = lines.map(line => {
       let best = null;
       for (const p of line.points) if (!best || Math.abs(p[0] - x) < Math.abs(best[0] - x)) best = p;
-      return best ? `${line.name} ${value.y(best[1]).toPrecision(4)}` : '';
+      return best ? `${line.name} ${shown('y', value.y(best[1]), 4)}` : '';
     });
-    hover.textContent = `at ${value.x(x).toPrecision(5)}: ${near.join(', ')}`;
+    if (names) names.setAttribute('visibility', 'hidden');
+    hover.textContent = `at ${shown('x', value.x(x), 5)}: ${near.join(', ')}`;
   });
-  plot.addEventListener('mouseleave', () => { hover.textContent = ''; pointer.removeAttribute('d'); });
+  plot.addEventListener('mouseleave', () => {
+    hover.textContent = '';
+    pointer.removeAttribute('d');
+    if (names) names.removeAttribute('visibility');
+  });
   window.addEventListener('mouseup', event => {
     if (from === null) return;
     const to = across(event), x = Math.min(from, to), w = Math.abs(to - from);
