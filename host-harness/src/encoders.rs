@@ -53,7 +53,7 @@ pub fn delay(model: &Model, encoder: Location) -> f64 {
 }
 
 /// A series as it was `delay` seconds before each of its times, held at its ends.
-fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
+pub(crate) fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
     if delay == 0.0 {
         return values.to_vec();
     }
