@@ -223,7 +223,8 @@ pub fn row(case: &Case, findings: &Findings) -> Row {
         hidden,
         names: verdict.effects.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
         confidences: verdict.effects.iter().map(|e| e.confidence).collect(),
-        gap: Some([verdict.gap.before, verdict.gap.after, verdict.gap.floor]),
+        gap: Some([verdict.gap.before, verdict.gap.after, verdict.gap.floor])
+            .filter(|gap| gap.iter().all(|value| value.is_finite())),
         intervals: intervals(case, verdict),
         signal_to_noise: case
             .effects

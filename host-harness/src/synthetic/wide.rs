@@ -54,6 +54,10 @@ pub fn record_wide(
     }
     let (count, rest) = (count as usize, rest as usize);
     let driver = setting.motion.driver(model, count, sample, &mut random);
+    let reference = match &driver {
+        Driver::Closed(controller) => Some(controller.reference_rad.clone()),
+        Driver::Open(_) => None,
+    };
     let own = instants(count, sample, setting.sensing.jitter, &mut random);
     let begin = rest as f64 * sample;
     let mut time_s: Vec<f64> = (0..rest).map(|k| k as f64 * sample).collect();
@@ -92,6 +96,7 @@ pub fn record_wide(
         output_angle_rad: (counts > 0.0 && !model.stages.is_empty())
             .then(|| zeroed(counts, &shown.output)),
         bus_v: bus,
+        reference_angle_rad: reference,
         ..Log::default()
     };
     let signal_to_noise = visible::signal_to_noise(model, setting, &run, rest)?;
