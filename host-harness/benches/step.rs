@@ -137,7 +137,8 @@ fn euler(model: &Model, inputs: &Inputs, step_s: f64) -> Vec<Snapshot> {
     let mut snapshots = Vec::with_capacity(inputs.time_s.len());
     for (k, pair) in inputs.time_s.windows(2).enumerate() {
         snapshots.push(equations.snapshot(&state));
-        let held = Held { drive: inputs.drive_values[k], load: inputs.load_nm[k], torque: 0.0 };
+        let held =
+            Held { drive: inputs.drive_values[k], load: inputs.load_nm[k], ..Held::default() };
         let steps = ((pair[1] - pair[0]) / step_s - 1e-6).ceil();
         for _ in 0..steps as u64 {
             euler_step(&equations, &held, &mut state, &mut rate, (pair[1] - pair[0]) / steps);

@@ -44,7 +44,7 @@ pub fn shown(model: &Model, time_s: &[f64], run: &[Snapshot]) -> Shown {
 }
 
 /// A series as it was `delay` seconds before each of its times, held at its ends.
-fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
+pub(crate) fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
     if delay == 0.0 {
         return values.to_vec();
     }

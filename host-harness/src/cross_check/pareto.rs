@@ -154,7 +154,8 @@ fn errors(model: &Model, scenario: &Scenario) -> Result<Vec<f64>, CrossCheckErro
         for k in 0..inputs.time_s.len() {
             run.push(equations.snapshot(&state));
             let interval = inputs.time_s.get(k + 1).map_or(0.0, |next| next - inputs.time_s[k]);
-            let held = Held { drive: inputs.drive_values[k], load: inputs.load_nm[k], torque: 0.0 };
+            let held =
+                Held { drive: inputs.drive_values[k], load: inputs.load_nm[k], ..Held::default() };
             equations.settle(&held, &mut state);
             for _ in 0..(interval / step).round() as u64 {
                 equations.derivative(&held, &state, &mut rate);

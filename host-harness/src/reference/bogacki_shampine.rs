@@ -40,6 +40,9 @@ impl<'a> BogackiShampine<'a> {
                 *value += h / 9.0 * (2.0 * one + 3.0 * two + 4.0 * three);
             }
             self.equations.derivative(held, state, first);
+            if self.equations.end_step(state, first) {
+                self.equations.derivative(held, state, first);
+            }
         }
     }
 }

@@ -6,8 +6,9 @@
 //! the ones the drive runs, because an effect's physics stands once.
 //!
 //! The state is `[i, θ, d…, v…, z…]`: current, rotor angle, deflections, speeds, bristles, all at
-//! the motor, so an angle q of mass k is q/N_k and a torque on it T·N_k; then what effects remember. Deflections are states
-//! themselves: as differences of angles they would drown in the turns.
+//! the motor, so an angle q of mass k is q/N_k and a torque on it T·N_k; then what effects remember, and
+//! what a friction law has beside one bristle a mass. Deflections are states themselves: as
+//! differences of angles they would drown in the turns.
 
 use std::f64::consts::TAU;
 
@@ -20,6 +21,7 @@ use joint_core::params::Friction;
 use joint_core::per_unit::{Bases, reflected_inertia};
 
 use super::ReferenceError;
+use super::friction::{Contact, Family, elastoplastic, limited_viscous, maxwell_slip, tanh};
 use super::rates::standing_rate;
 use crate::model::Model;
 use crate::plant::Layout;
@@ -36,6 +38,8 @@ pub struct Held {
     pub load: f64,
     /// Further torque on the rotor, Nm.
     pub torque: f64,
+    /// Relative change of the level of all friction; zero leaves it as it is.
+    pub friction_change: f64,
 }
 
 pub(super) struct Mass {
@@ -71,6 +75,7 @@ pub struct Equations {
     pub(super) standing_rate: f64,
     pub(super) effects: Option<EffectSet<f64>>,
     memories: usize,
+    pub(super) family: Family,
 }
 
 impl Equations {
@@ -123,7 +128,15 @@ impl Equations {
             forgotten: FORGOTTEN.powf(1.0 / stribeck_exponent),
             effects: (!effects.is_empty()).then_some(effects),
             memories: Layout::of(model).memories,
+            family: Family::LuGre,
         })
+    }
+
+    /// The same joint with friction of another family.
+    #[must_use]
+    pub fn with_friction(mut self, family: Family) -> Self {
+        self.family = family;
+        self
     }
 
     /// Where each quantity stands in the state.
@@ -133,7 +146,32 @@ impl Equations {
 
     /// The joint at rest, relaxed, at angle zero.
     pub fn rest(&self) -> Vec<f64> {
-        vec![0.0; self.layout().len()]
+        vec![0.0; self.layout().len() + self.masses.len() * self.family.slots()]
+    }
+
+    /// Where the further states of a mass's friction begin.
+    fn further(&self, mass: usize) -> usize {
+        self.layout().len() + mass * self.family.slots()
+    }
+
+    /// Ends a step, where friction has distinct states: whether one changed, so that the rates have
+    /// to be taken anew. `rate` is the derivative at `state`.
+    #[inline]
+    pub(super) fn end_step(&self, state: &mut [f64], rate: &[f64]) -> bool {
+        let Family::MaxwellSlip { elements, .. } = self.family else { return false };
+        let layout = self.layout();
+        let mut changed = false;
+        for (k, mass) in self.masses.iter().enumerate() {
+            let (speed, from) = (state[layout.speed(k)], self.further(k));
+            let to = from + self.family.slots();
+            let (own, level) = (&mut state[from..to], rate[to - 1]);
+            changed |= maxwell_slip::change(elements, speed, level, own);
+            if mass.sigma0 > 0.0 {
+                let bristle = own[..elements].iter().sum::<f64>() / mass.sigma0;
+                state[layout.bristle(k)] = bristle;
+            }
+        }
+        changed
     }
 
     /// Time derivative of the state. Slices shorter than the state are a caller's mistake and
@@ -147,11 +185,14 @@ impl Equations {
         let (head, tail) = state.split_at(2);
         let (deflections, tail) = tail.split_at(stages);
         let (speeds, tail) = tail.split_at(stages + 1);
-        let (bristles, remembered) = tail.split_at(stages + 1);
+        let (bristles, tail) = tail.split_at(stages + 1);
+        let (remembered, further) = tail.split_at(self.memories.min(tail.len()));
         let (head_rate, tail) = rate.split_at_mut(2);
         let (deflection_rate, tail) = tail.split_at_mut(stages);
         let (speed_rate, tail) = tail.split_at_mut(stages + 1);
-        let (bristle_rate, memory_rate) = tail.split_at_mut(stages + 1);
+        let (bristle_rate, tail) = tail.split_at_mut(stages + 1);
+        let (memory_rate, further_rate) = tail.split_at_mut(self.memories.min(tail.len()));
+        let slots = self.family.slots();
 
         let mut memory = [0.0; MEMORIES];
         for (slot, value) in memory.iter_mut().zip(remembered) {
@@ -202,7 +243,14 @@ impl Equations {
             } else {
                 force -= held.load * mass.shaft;
             }
-            let (friction, slip) = self.friction(k, mass, at, bristles[k], &memory);
+            let states = k * slots..(k + 1) * slots;
+            let bristle = Bristle {
+                deflection: bristles[k],
+                further: further.get(states.clone()).unwrap_or_default(),
+                further_rate: further_rate.get_mut(states).unwrap_or_default(),
+                level: 1.0 + held.friction_change,
+            };
+            let (friction, slip) = self.friction(k, mass, at, bristle, &memory);
             bristle_rate[k] = slip;
             force -= friction;
             if let Some(effects) = &self.effects {
@@ -231,7 +279,7 @@ impl Equations {
         number: usize,
         mass: &Mass,
         at: Rubbing<f64>,
-        bristle: f64,
+        bristle: Bristle<'_>,
         memory: &Memory<f64>,
     ) -> (f64, f64) {
         let speed = at.speed;
@@ -245,9 +293,39 @@ impl Equations {
         if mass.sigma0 <= 0.0 {
             return ((mass.sigma1 + viscous) * speed, 0.0);
         }
-        let slip_level = level * self.slip_level(mass, speed);
-        let rate = speed - mass.sigma0 * speed.abs() * bristle / slip_level;
-        (mass.sigma0 * bristle + mass.sigma1 * rate + viscous * speed, rate)
+        let slip_level = level * bristle.level * self.slip_level(mass, speed);
+        let contact = Contact {
+            speed,
+            level: slip_level,
+            sigma0: mass.sigma0,
+            sigma1: mass.sigma1,
+            stribeck_velocity: 1.0 / mass.per_stribeck_velocity,
+        };
+        match self.family {
+            Family::LuGre | Family::LimitedViscous { .. } => {
+                let deflection = bristle.deflection;
+                let rate = speed - mass.sigma0 * speed.abs() * deflection / slip_level;
+                let viscous = match self.family {
+                    Family::LimitedViscous { limit } => {
+                        limited_viscous::torque(viscous * speed, limit * mass.alpha0)
+                    }
+                    _ => viscous * speed,
+                };
+                (mass.sigma0 * deflection + mass.sigma1 * rate + viscous, rate)
+            }
+            Family::ElastoPlastic { breakaway } => {
+                let deflection = bristle.deflection;
+                let rate = elastoplastic::rate(&contact, deflection, breakaway);
+                (mass.sigma0 * deflection + mass.sigma1 * rate + viscous * speed, rate)
+            }
+            Family::MaxwellSlip { elements, attraction } => {
+                let Bristle { further, further_rate, .. } = bristle;
+                let torque =
+                    maxwell_slip::rate(&contact, elements, attraction, further, further_rate);
+                (torque + viscous * speed, 0.0)
+            }
+            Family::Tanh { width } => (tanh::torque(&contact, width) + viscous * speed, 0.0),
+        }
     }
 
     /// g(v) = α0 + α1 exp(−|v/v0|^δ), equation (3).
@@ -272,6 +350,14 @@ impl Equations {
             .filter(|mass| mass.sigma0 > 0.0)
             .map_or(0.0, |mass| mass.alpha0 / mass.sigma0)
     }
+}
+
+/// What a mass's friction remembers, and by what factor its level differs.
+struct Bristle<'a> {
+    deflection: f64,
+    further: &'a [f64],
+    further_rate: &'a mut [f64],
+    level: f64,
 }
 
 impl Mass {

@@ -8,27 +8,28 @@
 
 mod bogacki_shampine;
 mod equations;
+pub mod friction;
 mod rates;
 mod report;
+mod stepper;
 mod stiff;
 #[cfg(test)]
 mod tests;
 mod winding;
 
 pub use equations::{Equations, Held};
+pub use stepper::Stepper;
 
-use bogacki_shampine::BogackiShampine;
 use joint_core::joint::Drive;
 use joint_core::params::ParameterError;
+
+use friction::Family;
 
 use crate::model::Model;
 use crate::plant::{Inputs, Snapshot};
 
 /// The paper's step, s: the longest that holds 1 % on its joint.
 pub const PAPER_STEP_S: f64 = 1e-7;
-
-/// How often a sample is done again at a shorter step.
-const RETRIES: u32 = 12;
 
 /// How the reference integrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +77,21 @@ pub struct Disturbance {
     pub drive: Vec<f64>,
     /// Added to the torque on the rotor, Nm.
     pub torque_nm: Vec<f64>,
+    /// Relative change of the level of all friction.
+    pub friction_change: Vec<f64>,
+}
+
+impl Disturbance {
+    /// What acts over sample `k` beside drive and load; nothing past its end.
+    pub fn at(&self, k: usize, drive: f64, load: f64) -> Held {
+        let at = |values: &[f64]| values.get(k).copied().unwrap_or(0.0);
+        Held {
+            drive: drive + at(&self.drive),
+            load,
+            torque: at(&self.torque_nm),
+            friction_change: at(&self.friction_change),
+        }
+    }
 }
 
 /// What a run needs beside model and inputs.
@@ -85,6 +101,8 @@ pub struct Options {
     pub method: Method,
     /// Exponent of the Stribeck curve, 2 in the model.
     pub stribeck_exponent: f64,
+    /// Family of the friction law, LuGre in the model.
+    pub friction: Family,
     /// Process noise.
     pub disturbance: Disturbance,
 }
@@ -98,7 +116,12 @@ impl Default for Options {
 impl Options {
     /// The model's own Stribeck curve, no noise.
     pub fn of(method: Method) -> Self {
-        Self { method, stribeck_exponent: 2.0, disturbance: Disturbance::default() }
+        Self {
+            method,
+            stribeck_exponent: 2.0,
+            friction: Family::LuGre,
+            disturbance: Disturbance::default(),
+        }
     }
 }
 
@@ -135,61 +158,27 @@ pub fn simulate(
     options: &Options,
 ) -> Result<Vec<Snapshot>, ReferenceError> {
     check(inputs, options)?;
-    let equations = Equations::new(model, inputs.drive, options.stribeck_exponent)?;
-    let at = |values: &[f64], k: usize| values.get(k).copied().unwrap_or(0.0);
-    let held = |k: usize| Held {
-        drive: inputs.drive_values[k] + at(&options.disturbance.drive, k),
-        load: at(&inputs.load_nm, k),
-        torque: at(&options.disturbance.torque_nm, k),
-    };
-    match options.method {
-        Method::BogackiShampine { step_s } => {
-            explicit(&equations, &inputs.time_s, held, Step::Fixed(step_s))
+    let equations = Equations::new(model, inputs.drive, options.stribeck_exponent)?
+        .with_friction(options.friction);
+    let load = |k: usize| inputs.load_nm.get(k).copied().unwrap_or(0.0);
+    let held = |k: usize| options.disturbance.at(k, inputs.drive_values[k], load(k));
+    if let Method::Stiff { tolerance } = options.method {
+        if matches!(options.friction, Family::MaxwellSlip { .. }) {
+            return Err(ReferenceError::Inputs(
+                "Maxwell-slip friction changes between distinct states: take an explicit method",
+            ));
         }
-        Method::Scaled { share } => explicit(&equations, &inputs.time_s, held, Step::Scaled(share)),
-        Method::Stiff { tolerance } => stiff::run(&equations, &inputs.time_s, held, tolerance),
+        return stiff::run(&equations, &inputs.time_s, held, tolerance);
     }
-}
-
-#[derive(Clone, Copy)]
-enum Step {
-    Fixed(f64),
-    Scaled(f64),
-}
-
-fn explicit(
-    equations: &Equations,
-    time_s: &[f64],
-    held: impl Fn(usize) -> Held,
-    step: Step,
-) -> Result<Vec<Snapshot>, ReferenceError> {
-    let mut method = BogackiShampine::new(equations);
+    let mut stepper = Stepper::new(&equations, options.method);
     let mut state = equations.rest();
-    let mut snapshots = Vec::with_capacity(time_s.len());
+    let mut snapshots = Vec::with_capacity(inputs.time_s.len());
     snapshots.push(equations.snapshot(&state));
-    for (k, pair) in time_s.windows(2).enumerate() {
-        let duration = pair[1] - pair[0];
-        match step {
-            Step::Fixed(step) => method.advance(&mut state, &held(k), duration, step),
-            Step::Scaled(share) => {
-                // A sample in which the joint gains more speed than was foreseen is done again.
-                let before = state.clone();
-                let mut rate = equations.rate_near(&state);
-                for _ in 0..RETRIES {
-                    state.copy_from_slice(&before);
-                    method.advance(&mut state, &held(k), duration, share / rate);
-                    let reached = equations.rate_near(&state);
-                    if reached <= 1.4 * rate {
-                        break;
-                    }
-                    rate = if reached.is_finite() { reached } else { 4.0 * rate };
-                }
-            }
-        }
+    for (k, pair) in inputs.time_s.windows(2).enumerate() {
+        stepper.advance(&mut state, &held(k), pair[1] - pair[0]);
         if state.iter().any(|value| !value.is_finite()) {
             return Err(ReferenceError::Diverged(pair[1]));
         }
-        equations.settle(&held(k), &mut state);
         snapshots.push(equations.snapshot(&state));
     }
     Ok(snapshots)

@@ -3,6 +3,7 @@
 use joint_core::effect::{Effects, Flow, MEMORIES};
 
 use super::equations::{Equations, Mass, Spring};
+use super::friction::Family;
 
 impl Equations {
     /// The fastest rate in the equations near a state, per second: an explicit method's step times
@@ -12,9 +13,9 @@ impl Equations {
         let layout = self.layout();
         let masses = self.rate(|k, mass| {
             let speed = state.get(layout.speed(k)).copied().unwrap_or(0.0);
-            1.5 * speed.abs() + 3.0 / mass.per_stribeck_velocity
+            self.family.pace(1.5 * speed.abs() + 3.0 / mass.per_stribeck_velocity, mass)
         });
-        masses.max(self.memory_rate(state))
+        masses.max(self.memory_rate(state)).max(self.corner_rate())
     }
 
     /// The fastest rate at which effects forget, per second.
@@ -29,6 +30,15 @@ impl Equations {
         all.iter().flatten().fold(0.0, |fastest: f64, own| fastest.max(2.0 * own.reach))
     }
 
+    /// The rate at which a friction law of the speed alone stops its mass.
+    fn corner_rate(&self) -> f64 {
+        let Family::Tanh { width } = self.family else { return 0.0 };
+        self.masses.iter().fold(0.0, |fastest: f64, mass| {
+            let slope = (mass.alpha0 + mass.alpha1) * mass.per_stribeck_velocity / width;
+            fastest.max(slope * mass.per_inertia)
+        })
+    }
+
     /// The fastest rate in the equations where every mass runs at this speed, rad/s at the motor.
     pub fn rate_at(&self, speed: f64) -> f64 {
         self.rate(|_, _| speed.abs())
@@ -39,6 +49,22 @@ impl Equations {
             let level = mass.alpha0.min(mass.alpha0 + mass.alpha1);
             fastest.max(if level > 0.0 { mass.sigma0 * speed(k, mass) / level } else { 0.0 })
         })
+    }
+}
+
+impl Family {
+    /// The speed at which a LuGre bristle relaxes as fast as this law where a mass moves at `speed`.
+    fn pace(self, speed: f64, mass: &Mass) -> f64 {
+        match self {
+            Family::LuGre | Family::LimitedViscous { .. } => speed,
+            // Between breakaway and sliding the bristle gives way along a ramp, on top of its lean.
+            Family::ElastoPlastic { .. } => 2.0 * speed,
+            // Elements that stick go along with the speed, but only from a reversal to their limits.
+            Family::MaxwellSlip { attraction, .. } => {
+                speed.min((6.0 + attraction) / mass.per_stribeck_velocity)
+            }
+            Family::Tanh { .. } => 0.0,
+        }
     }
 }
 

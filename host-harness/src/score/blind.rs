@@ -35,8 +35,9 @@ pub struct Trial {
     pub case: Case,
     /// What the user knows.
     pub nominal: Model,
-    /// What was measured.
-    pub log: Log,
+    /// What was measured, first what is asked about: further records have another level of
+    /// friction and another motion.
+    pub logs: Vec<Log>,
     /// The kind that discovery must do without.
     pub withdrawn: Option<Kind>,
 }
@@ -98,11 +99,13 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
         verdict: answer.name().to_owned(),
         effects: effects.iter().map(told).collect(),
         size: sizes.first().copied(),
+        withdrawn: withdrawn.map(|kind| kind.spec().kind.to_owned()),
+        misfits: None,
     };
-    Ok(Trial { case, nominal, log, withdrawn })
+    Ok(Trial { case, nominal, logs: vec![log], withdrawn })
 }
 
-fn told(effect: &EffectParameters) -> TrueEffect {
+pub(super) fn told(effect: &EffectParameters) -> TrueEffect {
     let values = effect.kind.spec().parameters.iter().zip(effect.values);
     let parameters: BTreeMap<String, serde_json::Value> =
         values.map(|(spec, value)| (spec.key.to_owned(), value.into())).collect();
@@ -110,12 +113,13 @@ fn told(effect: &EffectParameters) -> TrueEffect {
         kind: effect.kind.spec().kind.to_owned(),
         location: effect.location.to_string(),
         parameters,
+        signal_to_noise: None,
     }
 }
 
 /// A joint: a direct drive, an actuator with one stage, or a small one with two, of a size of its
 /// own.
-fn rig(random: &mut impl Rng) -> Model {
+pub(super) fn rig(random: &mut impl Rng) -> Model {
     let mut model = match random.random_range(0..5) {
         0 | 1 => direct(),
         2 | 3 => actuator(),

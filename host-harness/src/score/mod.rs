@@ -2,8 +2,11 @@
 
 pub mod blind;
 mod breakdown;
+pub mod misfits;
 mod share;
 mod summary;
+mod tally;
+pub mod wide;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,15 +15,20 @@ use joint_core::effect::Kind;
 use serde::{Deserialize, Serialize};
 
 use crate::discover::candidates::card;
-use crate::discover::findings::{Findings, Verdict};
+use crate::discover::findings::{Findings, Named, Verdict};
 use crate::discover::gate::Remainder;
 
 pub use breakdown::{Breakdown, Reliability};
+use misfits::Misfits;
 pub use share::Share;
 pub use summary::{Summary, table};
+pub use tally::Tally;
+
+/// A name given with this confidence or more is given as certain.
+const CERTAIN: f64 = 0.9;
 
 /// One effect of a case's truth.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct TrueEffect {
     /// Its kind.
     pub kind: String,
@@ -29,6 +37,9 @@ pub struct TrueEffect {
     /// Its values; those that are numbers are compared.
     #[serde(default)]
     pub parameters: BTreeMap<String, serde_json::Value>,
+    /// RMS of what its removal changes in the signals over that of their noise, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signal_to_noise: Option<f64>,
 }
 
 impl TrueEffect {
@@ -38,7 +49,7 @@ impl TrueEffect {
 }
 
 /// One case of `truth.json`.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Case {
     /// Its folder.
     pub case: String,
@@ -48,12 +59,26 @@ pub struct Case {
     #[serde(default)]
     pub effects: Vec<TrueEffect>,
     /// Size of the first of them, in units of what is typical of its kind.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<f64>,
+    /// The kind that discovery must do without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub withdrawn: Option<String>,
+    /// In what else the joint differs from the model, where it was drawn so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misfits: Option<Misfits>,
+}
+
+impl Case {
+    /// The kind that discovery must do without.
+    pub fn withdrawn_kind(&self) -> Option<Kind> {
+        self.withdrawn.as_deref().and_then(Kind::from_name)
+    }
 }
 
 /// One row of `score.json`.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(default)]
 pub struct Row {
     /// The case.
     pub case: String,
@@ -75,6 +100,16 @@ pub struct Row {
     pub hidden: Vec<String>,
     /// All names given, kind and place, in order.
     pub names: Vec<String>,
+    /// How sure each of them was.
+    pub confidences: Vec<f64>,
+    /// The gap on unseen samples before, after, and what noise leaves.
+    pub gap: Option<[f64; 3]>,
+    /// Parameters of rightly named effects whose 95 % interval holds the truth, and of how many.
+    pub intervals: [usize; 2],
+    /// The smallest ratio of signal to noise of what was hidden, withdrawn or not.
+    pub signal_to_noise: Option<f64>,
+    /// In what else the joint differed from the model.
+    pub misfits: Option<Misfits>,
     /// How large the first hidden effect was, in units of what is typical of its kind.
     pub size: Option<f64>,
     /// What the first name's refit took from minus twice the log-likelihood.
@@ -95,6 +130,18 @@ impl Row {
     /// Whether the first name is one of those hidden.
     pub fn first_is_hidden(&self) -> bool {
         self.names.first().is_some_and(|name| self.hidden.contains(name))
+    }
+
+    /// Whether any name that was not hidden is given as certain.
+    pub fn has_certain_wrong(&self) -> bool {
+        let mut names = self.names.iter().zip(&self.confidences);
+        names.any(|(name, sure)| *sure >= CERTAIN && !self.hidden.contains(name))
+    }
+
+    /// Whether names were given and the gap is wider with them.
+    pub fn is_worse_after(&self) -> bool {
+        let wider = |[before, after, _]: [f64; 3]| after > before;
+        !self.names.is_empty() && self.gap.is_some_and(wider)
     }
 }
 
@@ -176,6 +223,16 @@ pub fn row(case: &Case, findings: &Findings) -> Row {
             .and_then(|(truth, named)| parameter_error(truth, &named.parameters)),
         hidden,
         names: verdict.effects.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
+        confidences: verdict.effects.iter().map(|e| e.confidence).collect(),
+        gap: Some([verdict.gap.before, verdict.gap.after, verdict.gap.floor])
+            .filter(|gap| gap.iter().all(|value| value.is_finite())),
+        intervals: intervals(case, verdict),
+        signal_to_noise: case
+            .effects
+            .iter()
+            .filter_map(|effect| effect.signal_to_noise)
+            .min_by(f64::total_cmp),
+        misfits: case.misfits.clone(),
         size: case.size,
         gain: first.map(|effect| effect.gain),
         lead: first.and_then(|effect| Some(effect.gain - effect.rivals.first()?.gain)),
@@ -184,6 +241,31 @@ pub fn row(case: &Case, findings: &Findings) -> Row {
         seconds: verdict.seconds,
         right,
     }
+}
+
+/// Standard errors within which 95 % lie.
+const SIGMAS: f64 = 1.96;
+
+/// Fitted parameters of rightly named effects whose interval holds the truth, and of how many.
+/// Orders and phases are left out, and what only shows together with a value that is assumed.
+fn intervals(case: &Case, verdict: &Verdict) -> [usize; 2] {
+    let mut counts = [0, 0];
+    for truth in case.effects.iter().filter(|_| case.verdict == "effect") {
+        let same = |named: &&Named| named.kind == truth.kind && named.location == truth.location;
+        let Some(named) = verdict.effects.iter().find(same) else { continue };
+        if Kind::from_name(&truth.kind).is_none_or(|kind| card(kind).reference.is_some()) {
+            continue;
+        }
+        for (key, error) in &named.standard_errors {
+            let value = truth.parameters.get(key).and_then(serde_json::Value::as_f64);
+            let Some((wanted, got)) = value.zip(named.parameters.get(key)) else { continue };
+            if key != "order" && !key.contains("phase") && *error > 0.0 {
+                counts[0] += usize::from((got - wanted).abs() <= SIGMAS * error);
+                counts[1] += 1;
+            }
+        }
+    }
+    counts
 }
 
 fn gap_closed(verdict: &Verdict) -> Option<f64> {

@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use super::CERTAIN;
 use super::Row;
 use super::breakdown::Breakdown;
 use super::share::Share;
+use super::tally::Tally;
 
-/// A name given with this confidence or more is given as certain.
-const CERTAIN: f64 = 0.9;
 /// Names of the shares.
 const NAMED_RIGHTLY: &str = "named_rightly";
 const FALSE_ALARMS: &str = "false_alarms";
@@ -44,6 +44,8 @@ pub struct Summary {
     pub shares: BTreeMap<&'static str, Share>,
     /// Where they come from.
     pub breakdown: Breakdown,
+    /// Counts by content and size, and by misfit where there are any.
+    pub tally: Tally,
 }
 
 impl Summary {
@@ -85,6 +87,7 @@ impl Summary {
             seconds: median(rows.iter().map(|row| row.seconds).collect()),
             shares,
             breakdown: Breakdown::of(rows),
+            tally: Tally::of(rows),
         }
     }
 }
@@ -138,6 +141,7 @@ pub fn table(rows: &[Row], summary: &Summary) -> String {
         let _ = writeln!(text, "{title:21} {share}");
     }
     text += &summary.breakdown.told();
+    text += &summary.tally.told();
     let _ = writeln!(text, "gap closed, median    {}", number(summary.gap_closed));
     let _ = writeln!(text, "main parameter, error {}", number(summary.parameter_error));
     let _ = write!(text, "seconds a log, median {}", number(summary.seconds));

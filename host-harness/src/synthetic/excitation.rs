@@ -17,7 +17,7 @@ use crate::model::Model;
 const LINES_HZ: [f64; 8] = [1.3, 2.9, 5.3, 11.0, 19.0, 37.0, 61.0, 97.0];
 
 /// The voltage that just moves the joint, V: friction and the highest gravity torque.
-fn breakaway_v(model: &Model) -> f64 {
+pub(super) fn breakaway_v(model: &Model) -> f64 {
     let bases = Bases::si(&model.motor, &model.stages);
     let gravity = (model.load.gravity_nm * bases.shaft(model.stages.len())).abs();
     bases.resistance * (breakaway_nm(model) + gravity) / model.motor.torque_constant_nm_per_a

@@ -5,15 +5,29 @@
 //! Stribeck curve that is not quite the model's, and sensors that count and round. Everything
 //! follows from the seed.
 
+mod controller;
 mod excitation;
 mod hidden;
+mod motion;
+mod noise;
 mod perturbed;
+mod sensing;
+mod setting;
 #[cfg(test)]
 mod tests;
+mod visible;
+mod wide;
+#[cfg(test)]
+mod wide_tests;
 
 pub use excitation::{amplitude_v, excitation};
 pub use hidden::{hidden, kinds};
-pub use perturbed::perturbed;
+pub use motion::Motion;
+pub use noise::Colour;
+pub use perturbed::{perturbed, perturbed_within};
+pub use sensing::{Reported, Stamps};
+pub use setting::{Disturbances, Sensing, Setting};
+pub use wide::{Recorded, record_wide};
 
 use std::f64::consts::TAU;
 
@@ -114,11 +128,12 @@ pub fn record(model: &Model, experiment: &Experiment, seed: u64) -> Result<Log, 
     let mut white = |deviation: f64| -> Vec<f64> {
         (0..inputs.time_s.len()).map(|_| deviation * normal(&mut random)).collect()
     };
-    let disturbance = Disturbance { drive: white(volts), torque_nm: white(torque) };
+    let disturbance =
+        Disturbance { drive: white(volts), torque_nm: white(torque), ..Disturbance::default() };
     let options = Options {
-        method: Method::Scaled { share: 0.4 },
         stribeck_exponent: experiment.stribeck_exponent,
         disturbance,
+        ..Options::of(Method::Scaled { share: 0.4 })
     };
     let run = reference::simulate(model, &inputs, &options)?;
     Ok(measured(model, &run[rest..], voltage, sample, &mut random))

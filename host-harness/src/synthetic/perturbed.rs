@@ -10,8 +10,14 @@ use crate::model::Model;
 /// cubic stiffness and damping, by 10 to 20 %, up or down. Reductions and sensors stay, k_t = 2 k_e
 /// stays, and effects are left out: they are what a nominal does not know.
 pub fn perturbed(model: &Model, seed: u64) -> Model {
+    perturbed_within(model, seed, [0.03, 0.08], [0.1, 0.2])
+}
+
+/// The same with these bounds of the errors, as shares: of what a datasheet or a scale gives, and
+/// of what it does not.
+pub fn perturbed_within(model: &Model, seed: u64, given: [f64; 2], guessed: [f64; 2]) -> Model {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut wrong = |value: &mut f64, from: f64, to: f64| {
+    let mut wrong = |value: &mut f64, [from, to]: [f64; 2]| {
         let share = random.random_range(from..to);
         *value *= if random.random::<bool>() { 1.0 + share } else { 1.0 - share };
     };
@@ -25,22 +31,22 @@ pub fn perturbed(model: &Model, seed: u64) -> Model {
         &mut model.load.inertia_kg_m2,
         &mut model.load.gravity_nm,
     ] {
-        wrong(value, 0.03, 0.08);
+        wrong(value, given);
     }
     let constant = motor.torque_constant_nm_per_a;
     motor.phase_back_emf_constant_v_s_per_rad =
         motor.phase_back_emf_constant_v_s_per_rad.map(|_| 0.5 * constant);
     for value in parts(&mut motor.friction) {
-        wrong(value, 0.1, 0.2);
+        wrong(value, guessed);
     }
     for stage in &mut model.stages {
         for value in [&mut stage.inertia_kg_m2, &mut stage.stiffness_nm_per_rad] {
-            wrong(value, 0.03, 0.08);
+            wrong(value, given);
         }
-        wrong(&mut stage.cubic_stiffness_nm_per_rad3, 0.1, 0.2);
-        wrong(&mut stage.damping_nm_s_per_rad, 0.1, 0.2);
+        wrong(&mut stage.cubic_stiffness_nm_per_rad3, guessed);
+        wrong(&mut stage.damping_nm_s_per_rad, guessed);
         for value in parts(&mut stage.friction) {
-            wrong(value, 0.1, 0.2);
+            wrong(value, guessed);
         }
     }
     model

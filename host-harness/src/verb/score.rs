@@ -9,22 +9,25 @@ use serde_json::json;
 
 use super::discover::{failure, write};
 use super::{Common, Failure, Outcome, read_log, read_model};
+use crate::discover::discover_without;
 use crate::discover::findings::Answer;
-use crate::discover::{discover, discover_without};
 use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
-use crate::score::blind::{Trial, answer, trial};
-use crate::score::{Row, Summary, cases, files, row, rows, table};
+use crate::score::blind::{self, Trial};
+use crate::score::wide::{self, Rigs};
+use crate::score::{Case, Row, Summary, cases, files, row, rows, table};
 
 /// Run discover over logs whose truth is known, and score it
 ///
 /// Writes `score.json`, and each case's verdict, model, report and residuals in a folder of its
-/// own; of drawn joints those that were answered wrongly, with log and nominal. An interrupt scores the cases that are done.
+/// own; of drawn joints those that were answered wrongly, with logs, nominal and a `truth.json`, so that
+/// the folder is a set itself. An interrupt scores the cases that are done.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint score --set practice --out scores
   joint score --simulate 48 --out scores
+  joint score --simulate 100 --draws wide --out wide
   joint score --simulate 1600 --only adequate --out false-alarms
   joint score --join here/score.json there/score.json --out both")]
 pub struct Args {
@@ -34,6 +37,10 @@ pub struct Args {
     /// Score on so many joints drawn at random instead
     #[arg(long, value_name = "N", conflicts_with = "set")]
     pub simulate: Option<u64>,
+    /// How they are drawn: with one motion, one misfit and white noise; as measured joints are; the
+    /// latter of the paper's joint alone
+    #[arg(long, value_enum, default_value_t = Draws::Narrow, conflicts_with_all = ["set", "join"])]
+    pub draws: Draws,
     /// Which joints are drawn
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with_all = ["set", "join"])]
     pub seed: u64,
@@ -52,6 +59,35 @@ pub struct Args {
     /// Only cases of these kinds, and those in which nothing has a name
     #[arg(long, value_name = "KIND", value_delimiter = ',', requires = "set")]
     pub kinds: Vec<String>,
+}
+
+/// How joints are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Draws {
+    /// Two seconds of one motion, LuGre friction with one misfit, white noise
+    Narrow,
+    /// Any length, motion, friction, disturbance and timing of the signals
+    Wide,
+    /// The same of the paper's joint alone
+    WidePaper,
+}
+
+impl Draws {
+    fn answer(self, number: u64) -> Answer {
+        match self {
+            Self::Narrow => blind::answer(number),
+            Self::Wide | Self::WidePaper => wide::answer(number),
+        }
+    }
+
+    fn trial(self, seed: u64, number: u64) -> Result<Trial, Failure> {
+        let trial = match self {
+            Self::Narrow => blind::trial(seed, number),
+            Self::Wide => wide::trial(seed, number, Rigs::All),
+            Self::WidePaper => wide::trial(seed, number, Rigs::Paper),
+        };
+        trial.map_err(|error| Failure::check(format!("draw {number}: {error}")))
+    }
 }
 
 /// Runs the verb.
@@ -91,8 +127,9 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
         let model = read_model(&model)?;
         let logs: Vec<_> =
             logs.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
-        let findings =
-            discover(&model, &logs, &indicatif::ProgressBar::hidden()).map_err(failure)?;
+        let withdrawn: Vec<_> = case.withdrawn_kind().into_iter().collect();
+        let hidden = indicatif::ProgressBar::hidden();
+        let findings = discover_without(&model, &logs, &withdrawn, &hidden).map_err(failure)?;
         if interrupt::asked() {
             break;
         }
@@ -112,21 +149,21 @@ fn drawn(
     out: &OutDir,
     common: &Common,
 ) -> Result<Vec<Row>, Failure> {
-    let asked = |number: &u64| args.only.is_none_or(|only| answer(*number) == only);
+    let asked = |number: &u64| args.only.is_none_or(|only| args.draws.answer(*number) == only);
     let numbers: Vec<u64> = numbers.filter(asked).collect();
     let bar = common.progress(numbers.len() as u64, "score");
     let next = AtomicUsize::new(0);
-    let worker = || -> Result<Vec<Row>, Failure> {
+    let worker = || -> Result<Vec<(Case, Row)>, Failure> {
         let pool = ThreadPoolBuilder::new().num_threads(1).build();
         let pool = pool.map_err(|error| Failure::check(error.to_string()))?;
         let mut rows = Vec::new();
         while !interrupt::asked() {
             let place = next.fetch_add(1, Ordering::Relaxed);
             let Some(number) = numbers.get(place) else { break };
-            let row = pool.install(|| one(args.seed, *number, out, common.force))?;
+            let row = pool.install(|| one(args, *number, out, common.force))?;
             if !interrupt::asked() {
                 bar.inc(1);
-                bar.set_message(row.case.clone());
+                bar.set_message(row.1.case.clone());
                 rows.push(row);
             }
         }
@@ -142,25 +179,36 @@ fn drawn(
         }
         Ok::<_, Failure>(rows)
     })?;
-    rows.sort_by(|a, b| a.case.cmp(&b.case));
+    rows.sort_by(|(a, _), (b, _)| a.case.cmp(&b.case));
     bar.finish_and_clear();
+    let (cases, rows): (Vec<Case>, Vec<Row>) = rows.into_iter().unzip();
+    let kept: Vec<Case> =
+        cases.into_iter().zip(&rows).filter(|(_, row)| !row.right).map(|(case, _)| case).collect();
+    let truth = serde_json::to_string_pretty(&kept);
+    out.write("truth.json", truth.map_err(|error| Failure::check(error.to_string()))?)?;
     Ok(rows)
 }
 
 /// One trial of the benchmark. What was answered wrongly is kept, to be looked into.
-fn one(seed: u64, number: u64, out: &OutDir, force: bool) -> Result<Row, Failure> {
-    let Trial { case, nominal, log, withdrawn } =
-        trial(seed, number).map_err(|error| Failure::check(error.to_string()))?;
+fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row), Failure> {
+    let Trial { case, nominal, logs, withdrawn } = args.draws.trial(args.seed, number)?;
     let withdrawn: Vec<_> = withdrawn.into_iter().collect();
     let hidden = indicatif::ProgressBar::hidden();
-    let logs = [log];
-    let findings = discover_without(&nominal, &logs, &withdrawn, &hidden).map_err(failure)?;
+    // The further records are for what asks whether a fit transfers.
+    let findings = discover_without(&nominal, &logs[..1], &withdrawn, &hidden).map_err(failure)?;
     let row = row(&case, &findings);
     if !row.right && !interrupt::asked() {
         let kept = out.folder(&case.case, force)?;
         kept.write("nominal.toml", nominal.to_toml())?;
-        kept.write("log.csv", logs[0].to_csv())?;
+        for (place, log) in logs.iter().enumerate() {
+            kept.write(&log_name(place), log.to_csv())?;
+        }
         write(&kept, &findings)?;
     }
-    Ok(row)
+    Ok((case, row))
+}
+
+/// File of a case's log: the first is what is asked about.
+fn log_name(place: usize) -> String {
+    if place == 0 { "log.csv".to_owned() } else { format!("log-{}.csv", place + 1) }
 }
