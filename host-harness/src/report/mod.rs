@@ -14,6 +14,8 @@ pub(crate) mod text;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use answer::budget;
+
 use crate::discover::findings::Findings;
 
 /// The page `report.html`.
