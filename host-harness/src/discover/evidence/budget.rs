@@ -86,7 +86,7 @@ pub(in super::super) fn weigh(
     let run = |fit: &Fit| pushed(problem, &fit.model, noise, walk);
     let (old, new) = rayon::join(|| run(before), || run(after));
     let (old, new) = (old?, new?);
-    let [missed, left] = [&old, &new].map(of_push);
+    let [missed, left] = [&old, &new].map(|run| disturbance(of_push(run), walk));
     if !missed.iter().chain(&left).all(|value| value.is_finite()) {
         return Ok(Weighed { budget: None, shares: vec![Share::default(); places.len()] });
     }
@@ -110,6 +110,16 @@ pub(in super::super) fn weigh(
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
     Ok(Weighed { budget: Some(Budget { equation, unit, ..budget }), shares })
+}
+
+/// What an equation is disturbed by; of a sensor about its mean, since nobody knows an encoder's zero
+/// better than to a count.
+fn disturbance(mut series: Vec<f64>, walk: Walk) -> Vec<f64> {
+    if walk.equation.is_of_a_sensor() {
+        let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+        series.iter_mut().for_each(|value| *value -= mean);
+    }
+    series
 }
 
 fn blocks_length(blocks: &Blocks) -> f64 {
@@ -170,7 +180,8 @@ fn white(
         let replicate = twin(&after.model, problem.record, &own, seed)?;
         let problem = Problem { record: &replicate, scout: None, ..*problem };
         let run = pushed(&problem, &after.model, noise, walk)?;
-        let squares: f64 = blocks.squares(&of_push(&run)).iter().sum();
+        let series = disturbance(of_push(&run), walk);
+        let squares: f64 = blocks.squares(&series).iter().sum();
         // A replicate beyond all numbers says nothing.
         sum += if squares.is_finite() { squares } else { 0.0 };
     }
