@@ -15,15 +15,18 @@ use nalgebra::DMatrix;
 
 use super::confidence::{SEPARATION, confidence};
 use super::constant::ask_constant;
+use super::evidence::cannot_tell;
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
+use super::proportion::{possible, weighed};
 use super::reasons::reasons;
 use super::search::Search;
 use super::timing::search_timed;
+use super::undecided::undecided;
 use super::whereabouts::locate;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
@@ -97,6 +100,10 @@ pub fn discover_without(
     // The filter corrects every sample, so that one interval need be right, not a whole run.
     let fewest = micro_steps(nominal, coarse.grid.typical_interval());
     let micro_steps = (fewest / 2).max(2).min(fewest);
+    let lacking = cannot_tell(&coarse);
+    if !lacking.is_empty() {
+        return Ok(undecided(nominal, &coarse, lacking, began));
+    }
     let mut record = coarse.refined(micro_steps);
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
@@ -168,7 +175,13 @@ pub fn discover_without(
     };
     bar.inc(1);
     let covariance = problem.covariance(after);
-    let effects = named(&found, nominal.effects.len(), clean, &covariance);
+    let mut effects = named(&found, nominal.effects.len(), clean, &covariance);
+    let scout = Scout::of(&record, &fitted, nominal);
+    let looked_at = Problem::new(&record, &every).scouted(scout.as_ref());
+    let (weighed, free_run) = weighed(&looked_at, &found, disagreement.walk, &calm, &held_out)?;
+    for (effect, share) in effects.iter_mut().zip(&weighed.shares) {
+        (effect.share, effect.share_error) = (share.value, share.error);
+    }
     let close = found.rounds.first().and_then(|round| {
         let rival = round.rivals.first()?;
         (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
@@ -206,8 +219,11 @@ pub fn discover_without(
     let verdict = Verdict {
         verdict: answer,
         effects,
+        possible: possible(&found, &fitted),
         whereabouts,
         gap,
+        budget: weighed.budget,
+        free_run,
         next_experiment,
         seconds: began.elapsed().as_secs_f64(),
         reasons,
@@ -349,6 +365,8 @@ fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>
                 parameters,
                 standard_errors,
                 confidence,
+                share: 0.0,
+                share_error: 0.0,
                 gain: round.gain,
                 stays_ahead: round.stays_ahead,
                 rivals,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use joint_core::effect::Kind;
 use serde::Serialize;
 
+use super::evidence::{Budget, FreeRun};
 use super::experiment::Experiment;
 use super::gate::Remainder;
 use crate::estimate::record::CHANNELS;
@@ -20,6 +21,8 @@ pub enum Answer {
     Adequate,
     /// Something is missing that no listed effect explains.
     Unknown,
+    /// The logs cannot tell.
+    Undecided,
 }
 
 impl Answer {
@@ -29,6 +32,7 @@ impl Answer {
             Answer::Effect => "effect",
             Answer::Adequate => "adequate",
             Answer::Unknown => "unknown",
+            Answer::Undecided => "undecided",
         }
     }
 }
@@ -59,6 +63,10 @@ pub struct Named {
     pub standard_errors: BTreeMap<String, f64>,
     /// Probability that the name is right.
     pub confidence: f64,
+    /// Share of what the refitted nominal misses, on samples that no fit has seen, that it explains.
+    pub share: f64,
+    /// One standard error of that.
+    pub share_error: f64,
     /// What its refit took from minus twice the log-likelihood.
     pub gain: f64,
     /// Share of the logs drawn from this one, block by block, in which it stays ahead of the best of
@@ -103,11 +111,17 @@ pub struct Verdict {
     pub verdict: Answer,
     /// What was found, the most certain name first.
     pub effects: Vec<Named>,
+    /// Effects that explain something, but not beyond doubt: they are not in the improved model.
+    pub possible: Vec<Named>,
     /// Where the refitted nominal and the log disagree.
     #[serde(rename = "where")]
     pub whereabouts: Whereabouts,
     /// How far they disagree.
     pub gap: Gap,
+    /// Where what the refitted nominal misses goes; `None` where nothing could be looked at.
+    pub budget: Option<Budget>,
+    /// Both models run free over samples that no fit has seen.
+    pub free_run: FreeRun,
     /// What to measure next.
     pub next_experiment: String,
     /// Wall time, s.

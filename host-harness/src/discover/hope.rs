@@ -34,8 +34,8 @@ pub(super) fn try_hope(
     search: &mut Search,
     bar: &ProgressBar,
 ) -> Result<(), BuildError> {
-    let Some((Contender { name, gain }, stage)) = search.hope.take() else { return Ok(()) };
-    let mut other = search.clone();
+    let Some((Contender { name, gain }, stage)) = search.hope.clone() else { return Ok(()) };
+    let mut other = Search { hope: None, ..search.clone() };
     let stays_ahead = stays_ahead(&stage.fit, &[&search.after.fit], last.mask);
     other.rounds.push(Round { name, gain, rivals: Vec::new(), runner_up: None, stays_ahead });
     other.after = stage;

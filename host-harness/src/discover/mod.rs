@@ -12,6 +12,7 @@ pub mod comb;
 mod confidence;
 mod constant;
 mod contradiction;
+pub mod evidence;
 pub mod experiment;
 pub mod findings;
 mod finer;
@@ -26,6 +27,7 @@ pub mod lines;
 mod needless;
 pub mod next_experiment;
 mod order;
+mod proportion;
 pub mod protected;
 mod reasons;
 mod rival;
@@ -35,6 +37,7 @@ mod settle;
 mod timing;
 #[cfg(test)]
 mod trial;
+mod undecided;
 mod ways;
 pub mod whereabouts;
 

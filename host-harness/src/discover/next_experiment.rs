@@ -6,6 +6,10 @@ use joint_core::params::Location;
 use super::candidates::card;
 use super::findings::Answer;
 
+/// What shows more of a joint than most logs do.
+const MORE: &str = "drive the joint through reversals under load, at several speeds up to its highest, and \
+     slowly over a full turn of the output";
+
 /// Advice in a sentence; `blind` where there are stages that no sensor looks behind, `constant` where a
 /// constant torque explains what gravity does.
 pub fn advice(
@@ -28,10 +32,8 @@ pub fn advice(
         );
     }
     match answer {
-        Answer::Adequate => "nothing is missing in this log; to look further, drive the joint \
-             through reversals under load, at several speeds up to its highest, and slowly over a \
-             full turn of the output"
-            .to_owned(),
+        Answer::Undecided => MORE.to_owned(),
+        Answer::Adequate => format!("nothing is missing in this log; to look further, {MORE}"),
         Answer::Effect => match names.first() {
             Some((kind, _)) => format!("to confirm: {}", card(*kind).experiment),
             None => String::new(),

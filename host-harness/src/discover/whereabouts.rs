@@ -36,6 +36,8 @@ const TURN: &str = "motor_angle_rad (one turn)";
 /// The disagreement of one model with a record.
 #[derive(Default)]
 pub struct Disagreement {
+    /// The random-walk disturbance that makes the log most likely; `None` where no filter could be run.
+    pub walk: Option<Walk>,
     /// The answer.
     pub whereabouts: Whereabouts,
     /// The push along the record.
@@ -109,7 +111,7 @@ pub fn locate(
         }
     }
     let push = Push { equation, unit, before: series, after: series_after };
-    Ok(Disagreement { whereabouts, push, shape, along_effects })
+    Ok(Disagreement { walk: Some(walk), whereabouts, push, shape, along_effects })
 }
 
 /// The column that a coordinate is of.
@@ -218,7 +220,8 @@ pub(super) fn pushed(
     Ok(observer.design(noise, &problem.pushed(walk).walks()).1)
 }
 
-fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static str) {
+/// An equation in words, and its unit.
+pub(super) fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static str) {
     match equation {
         Equation::Voltage if drive == Drive::Current => ("imposed current".into(), "A"),
         Equation::Voltage => ("voltage".into(), "V"),
@@ -232,7 +235,11 @@ fn title(equation: Equation, drive: Drive, stages: usize) -> (String, &'static s
 }
 
 /// What a push may follow, by sample.
-fn coordinates(problem: &Problem<'_>, model: &Model, run: &Run) -> Vec<(&'static str, Vec<f64>)> {
+pub(super) fn coordinates(
+    problem: &Problem<'_>,
+    model: &Model,
+    run: &Run,
+) -> Vec<(&'static str, Vec<f64>)> {
     let layout = Layout::of(model);
     let shaft = output_shaft(model);
     let last = layout.speed(layout.stages);

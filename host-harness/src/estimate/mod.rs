@@ -13,6 +13,7 @@ mod covariance;
 mod descent;
 pub mod filter;
 pub mod fit;
+pub mod free_run;
 pub mod gains;
 pub(crate) mod gram;
 mod keep;

@@ -1,5 +1,6 @@
 //! The answer in a sentence, for the reader who stops there.
 
+use crate::discover::evidence::Budget;
 use crate::discover::findings::{Answer, Findings, Named, Whereabouts};
 use crate::plot::text::{escape, number, per_cent, with_sigma};
 
@@ -11,6 +12,7 @@ pub(super) fn sentence(findings: &Findings) -> String {
     match verdict.verdict {
         Answer::Effect => format!("The model misses {named}."),
         Answer::Adequate => "Nothing is missing that this log shows.".to_owned(),
+        Answer::Undecided => "This log cannot tell what the model misses.".to_owned(),
         Answer::Unknown if named.is_empty() => format!(
             "Something is missing that no listed effect explains: {}.",
             place(&verdict.whereabouts)
@@ -34,6 +36,32 @@ pub(super) fn gap(findings: &Findings) -> String {
         number(gap.floor),
         escape(gap.unit)
     )
+}
+
+/// Where the gap goes, in a sentence.
+pub(crate) fn budget(budget: &Budget) -> String {
+    let mut text = format!(
+        "Of what the refitted nominal misses in the {} equation ({} {} RMS on samples that no fit has \
+         seen) the effects explain {}",
+        budget.equation,
+        number(budget.rms_before),
+        budget.unit,
+        per_cent(budget.named)
+    );
+    if budget.unnamed > 0.0 {
+        text += &format!(
+            "; {} follows {} and has no name ({} of what drives that equation)",
+            per_cent(budget.unnamed),
+            budget.unnamed_follows,
+            per_cent(budget.unnamed_of_drive)
+        );
+    }
+    text += &format!(
+        "; {} is correlated in time but follows nothing; {} is what white noise leaves.",
+        per_cent(budget.coloured),
+        per_cent(budget.white)
+    );
+    text
 }
 
 /// Where the disagreement sits, as HTML.

@@ -11,6 +11,8 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use answer::budget;
+
 use crate::discover::findings::Findings;
 
 /// The page `report.html`.

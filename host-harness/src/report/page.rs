@@ -32,6 +32,10 @@ pub(super) fn page(findings: &Findings) -> String {
     tables::effects(&mut page, &verdict.effects);
     let _ = writeln!(page, "<h2>How far</h2>\n{}", legend(&[BEFORE, AFTER, FLOOR]));
     gap::section(&mut page, &verdict.gap);
+    if let Some(budget) = &verdict.budget {
+        let _ = writeln!(page, "<p>{}</p>", escape(&answer::budget(budget)));
+    }
+    tables::free_run(&mut page, &verdict.free_run);
     whereabouts(&mut page, findings);
     residuals(&mut page, findings);
     page.push_str("<h2>Why</h2>\n<ul>");

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use joint_core::effect::Kind;
 
 use crate::discover::candidates::card;
+use crate::discover::evidence::FreeRun;
 use crate::discover::findings::{Findings, Named, NoiseRow, ParameterRow, ScoreRow};
 use crate::plot::text::{digits, escape, number, per_cent, with_sigma};
 
@@ -22,7 +23,7 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
     }
     page.push_str(
         "<table><tr><th>effect<th>place<th>parameter<th class=n>value<th class=n>confidence\
-         <th class=n>ahead in logs redrawn<th>other names</tr>\n",
+         <th class=n>share of the gap<th class=n>ahead in logs redrawn<th>other names</tr>\n",
     );
     for effect in effects {
         let rows = effect.parameters.len().max(1);
@@ -47,8 +48,10 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
         page.push_str(&parameters.next().unwrap_or_else(|| "<td><td>".to_owned()));
         let _ = writeln!(
             page,
-            "<td class=n rowspan={rows}>{}<td class=n rowspan={rows}>{}<td rowspan={rows}>{}</tr>",
+            "<td class=n rowspan={rows}>{}<td class=n rowspan={rows}>{}<td class=n rowspan={rows}>{}\
+             <td rowspan={rows}>{}</tr>",
             per_cent(effect.confidence),
+            with_sigma(effect.share, Some(effect.share_error)),
             per_cent(effect.stays_ahead),
             if rivals.is_empty() { "none".to_owned() } else { rivals.join(", ") }
         );
@@ -68,6 +71,34 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
             card.axis.words()
         );
     }
+}
+
+/// Both models' free runs.
+pub(super) fn free_run(page: &mut String, run: &FreeRun) {
+    if run.signals.is_empty() {
+        return;
+    }
+    let _ = writeln!(
+        page,
+        "<table><tr><th>free run, RMS error<th class=n>before<th class=n>after</tr>"
+    );
+    for (column, [before, after]) in &run.signals {
+        let _ = writeln!(
+            page,
+            "<tr><td>{}<td class=n>{}<td class=n>{}</tr>",
+            escape(column),
+            number(*before),
+            number(*after)
+        );
+    }
+    let _ = writeln!(
+        page,
+        "</table><p class=note>{}, by the logged input alone, over {} stretches of up to {} s that no fit \
+         has seen; in the unit of the column.</p>",
+        escape(run.mode),
+        run.stretches,
+        digits(run.longest_s, 2)
+    );
 }
 
 /// What was tried, by round, the best first.

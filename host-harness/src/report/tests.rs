@@ -5,6 +5,7 @@ use joint_core::effect::Kind;
 use super::{html, residuals_csv};
 use crate::demo::actuator;
 use crate::discover::candidates::card;
+use crate::discover::evidence::{Budget, FreeRun};
 use crate::discover::findings::*;
 use crate::discover::gate::Remainder;
 
@@ -33,6 +34,8 @@ fn findings(samples: usize) -> Findings {
             standard_errors: BTreeMap::from([("amplitude_nm".into(), 1e-4)]),
             confidence: 0.97,
             gain: 900.0,
+            share: 0.9,
+            share_error: 0.02,
             stays_ahead: 1.0,
             rivals: vec![Rival {
                 kind: "gravity".into(),
@@ -41,6 +44,25 @@ fn findings(samples: usize) -> Findings {
                 gain: 600.0,
             }],
         }],
+        possible: Vec::new(),
+        budget: Some(Budget {
+            named: 0.9,
+            unnamed: 0.05,
+            coloured: 0.02,
+            white: 0.03,
+            equation: "rotor torque".into(),
+            unit: "Nm",
+            rms_before: 0.01,
+            rms_after: 0.003,
+            unnamed_follows: "motor_speed_rad_per_s".into(),
+            unnamed_of_drive: 0.02,
+        }),
+        free_run: FreeRun {
+            signals: BTreeMap::from([("motor_angle_rad".into(), [0.2, 0.01])]),
+            mode: "open loop",
+            stretches: 3,
+            longest_s: 0.2,
+        },
         whereabouts: Whereabouts {
             equation: "rotor torque".into(),
             varies_with: "motor_angle_rad".into(),

@@ -89,6 +89,7 @@ pub(super) fn summary(findings: &Findings) -> String {
     let mut text = match verdict.verdict {
         Answer::Effect => "effect: the model misses\n".to_owned(),
         Answer::Adequate => "adequate: nothing is missing that these logs show\n".to_owned(),
+        Answer::Undecided => "undecided: these logs cannot tell\n".to_owned(),
         Answer::Unknown if verdict.effects.is_empty() => {
             "unknown: something is missing that no listed effect explains\n".to_owned()
         }
@@ -107,11 +108,20 @@ pub(super) fn summary(findings: &Findings) -> String {
             .collect();
         let _ = writeln!(
             text,
-            "  {} ({}), confidence {:.2}: {}",
+            "  {} ({}), confidence {:.2}, {:.1} ± {:.1} % of the gap: {}",
             effect.kind,
             effect.location,
             effect.confidence,
+            100.0 * effect.share,
+            100.0 * effect.share_error,
             values.join(", ")
+        );
+    }
+    for effect in &verdict.possible {
+        let _ = writeln!(
+            text,
+            "  possible, not added: {} ({}), confidence {:.2}",
+            effect.kind, effect.location, effect.confidence
         );
     }
     let place = &verdict.whereabouts;
@@ -139,6 +149,23 @@ pub(super) fn summary(findings: &Findings) -> String {
         "gap: {:.3} before, {:.3} after, {:.3} floor ({}), {:.1} s",
         gap.before, gap.after, gap.floor, gap.unit, verdict.seconds
     );
+    if let Some(budget) = &verdict.budget {
+        let _ = writeln!(text, "{}", report::budget(budget));
+    }
+    let runs = verdict.free_run.signals.iter();
+    let runs: Vec<String> = runs
+        .map(|(column, [before, after])| format!("{column} {before:.3e} before, {after:.3e} after"))
+        .collect();
+    if !runs.is_empty() {
+        let _ = writeln!(
+            text,
+            "free run ({}, {} stretches of up to {:.2} s): {}",
+            verdict.free_run.mode,
+            verdict.free_run.stretches,
+            verdict.free_run.longest_s,
+            runs.join("; ")
+        );
+    }
     let _ = write!(text, "next: {}", verdict.next_experiment);
     text
 }

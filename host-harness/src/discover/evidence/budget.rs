@@ -1,0 +1,276 @@
+//! The gap budget: what a refitted nominal misses on samples that no fit has seen, and where it goes.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::super::whereabouts::{coordinates, of_push, pushed, title};
+use super::blocks::{Blocks, Share};
+use super::generic::{Predicted, predicted};
+use super::shares::{Disturbances, divided, losses};
+use crate::estimate::filter::{Equation, Noise, Walk};
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::free_run;
+use crate::estimate::noise;
+use crate::estimate::record::{Channel, Record};
+use crate::estimate::twin::twin;
+use crate::model::Model;
+use crate::plant::{BuildError, Layout};
+use joint_core::joint::Drive;
+
+/// Bootstrap replicates that tell what white noise alone leaves, and the first of their seeds.
+const REPLICATES: u64 = 2;
+const SEED: u64 = 300;
+
+/// Shares of what the refitted nominal misses, which add up to one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Budget {
+    /// What the effects explain.
+    pub named: f64,
+    /// What still follows a coordinate of the joint, and has no name.
+    pub unnamed: f64,
+    /// What is correlated in time but follows nothing: disturbance that this log cannot predict.
+    pub coloured: f64,
+    /// What sensors and white noise leave in the same estimate.
+    pub white: f64,
+    /// The equation that misses most.
+    pub equation: String,
+    /// The unit of that equation.
+    pub unit: &'static str,
+    /// RMS of what the refitted nominal misses of it, in that unit.
+    pub rms_before: f64,
+    /// The same of the improved model.
+    pub rms_after: f64,
+    /// What the unnamed part follows; empty where there is none.
+    pub unnamed_follows: String,
+    /// RMS of the unnamed part over the RMS of what drives that equation: whether it matters.
+    pub unnamed_of_drive: f64,
+}
+
+/// Free runs of both models over samples that no fit has seen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FreeRun {
+    /// RMS error before and after by log column, in the column's unit.
+    pub signals: BTreeMap<String, [f64; 2]>,
+    /// `open loop`: from the state at the start of each stretch, by the logged input alone.
+    pub mode: &'static str,
+    /// Number of stretches.
+    pub stretches: usize,
+    /// Length of the longest, s.
+    pub longest_s: f64,
+}
+
+/// What the evidence says.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Weighed {
+    /// The budget; `None` where no equation could be looked at.
+    pub(in super::super) budget: Option<Budget>,
+    /// Share of every effect.
+    pub(in super::super) shares: Vec<Share>,
+}
+
+/// Weighs what was found. `tested` are the samples that no fit has seen; `noise` designs the filter;
+/// `places` are those of the effects in the improved model.
+///
+/// # Errors
+/// A model cannot be built.
+pub(in super::super) fn weigh(
+    problem: &Problem<'_>,
+    [before, after]: [&Fit; 2],
+    walk: Walk,
+    [noise, expected]: [&Noise; 2],
+    tested: &[bool],
+    places: &[usize],
+) -> Result<Weighed, BuildError> {
+    let record = problem.record;
+    let run = |fit: &Fit| pushed(problem, &fit.model, noise, walk);
+    let (old, new) = rayon::join(|| run(before), || run(after));
+    let (old, new) = (old?, new?);
+    let [missed, left] = [&old, &new].map(|run| disturbance(of_push(run), walk));
+    if !missed.iter().chain(&left).all(|value| value.is_finite()) {
+        return Ok(Weighed { budget: None, shares: vec![Share::default(); places.len()] });
+    }
+    let blocks = Blocks::of_series(tested, &left);
+    let gone = Disturbances { before: blocks.squares(&missed), after: blocks.squares(&left) };
+    let named = gone.named();
+    let shares = match places {
+        [] => Vec::new(),
+        [_] => vec![named],
+        _ => {
+            let gains = problem.design(&after.model, noise)?.gains;
+            divided(&gone, &losses(problem, &after.model, &gains, places, &blocks)?)
+        }
+    };
+    let white = white(problem, after, walk, [noise, expected], &blocks)?;
+    let layout = Layout::of(&after.model);
+    let direction: Vec<f64> = new.states.iter().map(|x| x[layout.speed(0)]).collect();
+    let coordinates = coordinates(problem, &after.model, &new);
+    let unnamed = predicted(&left, &coordinates, &direction, tested);
+    let drive = drive(record, &after.model, walk, tested);
+    let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
+    let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
+    Ok(Weighed { budget: Some(Budget { equation, unit, ..budget }), shares })
+}
+
+/// What an equation is disturbed by; of a sensor about its mean, since nobody knows an encoder's zero
+/// better than to a count.
+fn disturbance(mut series: Vec<f64>, walk: Walk) -> Vec<f64> {
+    if walk.equation.is_of_a_sensor() {
+        let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+        series.iter_mut().for_each(|value| *value -= mean);
+    }
+    series
+}
+
+fn blocks_length(blocks: &Blocks) -> f64 {
+    blocks.ranges().iter().map(ExactSizeIterator::len).sum::<usize>().max(1) as f64
+}
+
+/// The parts, which add up to one.
+fn split(
+    gone: &Disturbances,
+    white: f64,
+    unnamed: Option<&Predicted>,
+    samples: f64,
+    drive: f64,
+) -> Budget {
+    let [before, after] = [&gone.before, &gone.after].map(|blocks| blocks.iter().sum::<f64>());
+    let named = gone.named().value;
+    let mut left = 1.0 - named;
+    let mut take = |most: f64| {
+        let taken = most.clamp(0.0, left);
+        left -= taken;
+        taken
+    };
+    let rest = 1.0 - named;
+    let unnamed_share = take(rest * unnamed.map_or(0.0, |unnamed| unnamed.share.value));
+    let white = take(if before > 0.0 { white / before } else { 1.0 });
+    let coloured = take(1.0);
+    let rms_after = (after / samples).sqrt();
+    let unnamed_rms = rms_after * (unnamed_share / rest.max(1e-12)).sqrt();
+    Budget {
+        named,
+        unnamed: unnamed_share,
+        coloured,
+        white,
+        rms_before: (before / samples).sqrt(),
+        rms_after,
+        unnamed_follows: unnamed.map_or(String::new(), |unnamed| {
+            let own = if unnamed.by_direction { ", by direction of motion" } else { "" };
+            format!("{}{own}", unnamed.follows)
+        }),
+        unnamed_of_drive: if drive > 0.0 { unnamed_rms / drive } else { 0.0 },
+        ..Budget::default()
+    }
+}
+
+/// Squares of the disturbance that is estimated where there is none but white noise: on bootstrap
+/// replicates of the improved model with the noise that it has beside a disturbance.
+fn white(
+    problem: &Problem<'_>,
+    after: &Fit,
+    walk: Walk,
+    [noise, expected]: [&Noise; 2],
+    blocks: &Blocks,
+) -> Result<f64, BuildError> {
+    let beside = problem.ahead().rough().pushed(walk);
+    let own = noise::refine(&beside, &after.model, expected, &after.noise)?;
+    let mut sum = 0.0;
+    for seed in SEED..SEED + REPLICATES {
+        let replicate = twin(&after.model, problem.record, &own, seed)?;
+        let problem = Problem { record: &replicate, scout: None, ..*problem };
+        let run = pushed(&problem, &after.model, noise, walk)?;
+        let series = disturbance(of_push(&run), walk);
+        let squares: f64 = blocks.squares(&series).iter().sum();
+        // A replicate beyond all numbers says nothing.
+        sum += if squares.is_finite() { squares } else { 0.0 };
+    }
+    Ok(sum / REPLICATES as f64)
+}
+
+/// RMS over the tested samples of what drives the equation: motor torque, voltage, or the sensor's
+/// own signal about its mean.
+fn drive(record: &Record, model: &Model, walk: Walk, tested: &[bool]) -> f64 {
+    let channel = |channel: Channel| -> Vec<f64> {
+        record.measured.iter().map(|row| row[channel as usize]).collect()
+    };
+    let (values, scale) = match (walk.equation, record.drive) {
+        (Equation::Voltage, _) => (record.drive_values.clone(), 1.0),
+        (Equation::Torque(_), Drive::Voltage) => {
+            (channel(Channel::Current), model.motor.torque_constant_nm_per_a)
+        }
+        (Equation::Torque(_), Drive::Current) => {
+            (record.drive_values.clone(), model.motor.torque_constant_nm_per_a)
+        }
+        (Equation::Sensor(of), _) => (channel(of), 1.0),
+    };
+    let seen = || values.iter().zip(tested).filter(|(v, t)| **t && v.is_finite()).map(|(v, _)| v);
+    let count = seen().count().max(1) as f64;
+    let mean = match walk.equation {
+        Equation::Sensor(_) => seen().sum::<f64>() / count,
+        _ => 0.0,
+    };
+    scale * (seen().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
+impl FreeRun {
+    /// Of two models over the stretches of samples that no fit has seen.
+    ///
+    /// # Errors
+    /// A model cannot be built.
+    pub(in super::super) fn of(
+        record: &Record,
+        [before, after]: [&Fit; 2],
+        noise: &Noise,
+        tested: &[bool],
+    ) -> Result<Self, BuildError> {
+        let stretches = free_run::stretches(record, tested);
+        let run = |fit: &Fit| free_run::errors(&fit.model, record, noise, &stretches);
+        let (old, new) = rayon::join(|| run(before), || run(after));
+        let (old, new) = (old?, new?);
+        let signals = Channel::ALL
+            .into_iter()
+            .filter_map(|channel| {
+                let c = channel as usize;
+                Some((channel.column().to_owned(), [old[c]?, new[c]?]))
+            })
+            .collect();
+        let length = |range: &std::ops::Range<usize>| {
+            record.time_s[range.end - 1] - record.time_s[range.start]
+        };
+        let longest_s = stretches.iter().map(length).fold(0.0, f64::max);
+        Ok(Self { signals, mode: "open loop", stretches: stretches.len(), longest_s })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parts_add_up_to_one_and_none_is_below_zero() {
+        for (after, white, share) in
+            [(0.1, 0.05, 0.5), (2.0, 0.3, 0.0), (0.0, 1.0, 0.9), (0.5, 9.0, 0.2)]
+        {
+            let gone = Disturbances { before: vec![1.0; 10], after: vec![after; 10] };
+            let unnamed =
+                Predicted { share: Share { value: share, error: 0.01 }, ..Predicted::default() };
+            let budget = split(&gone, 10.0 * white, Some(&unnamed), 100.0, 1.0);
+            let parts = [budget.named, budget.unnamed, budget.coloured, budget.white];
+            assert!((parts.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{budget:?}");
+            assert!(parts.iter().all(|part| *part >= 0.0), "{budget:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_unnamed_is_told_against_what_drives_the_joint() {
+        let gone = Disturbances { before: vec![400.0; 10], after: vec![100.0; 10] };
+        let unnamed =
+            Predicted { share: Share { value: 0.25, error: 0.01 }, ..Predicted::default() };
+        let budget = split(&gone, 0.0, Some(&unnamed), 1000.0, 10.0);
+        // 1 unit RMS is left, a quarter of its square is unnamed: 0.5 of 10.
+        assert!((budget.rms_after - 1.0).abs() < 1e-12);
+        assert!((budget.unnamed_of_drive - 0.05).abs() < 1e-12, "{budget:?}");
+        assert!((budget.unnamed - 0.0625).abs() < 1e-12);
+    }
+}

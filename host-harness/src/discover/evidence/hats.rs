@@ -1,0 +1,145 @@
+//! Piecewise linear functions, fitted by least squares: the generic family's one building block.
+//!
+//! A sum of hat functions on an even grid can follow any smooth curve of a coordinate; its normal
+//! equations are tridiagonal, so that leaving out every block in turn costs next to nothing.
+
+/// Where samples stand on a grid of knots: the knot before each, and the share of the one after.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    places: Vec<Option<(usize, f64)>>,
+    knots: usize,
+}
+
+impl Grid {
+    /// Of a coordinate, by `knots` between its ends; by the sign of `direction` twice as many. A value
+    /// that is no number has no place. `None` where the coordinate does not move.
+    pub(super) fn new(values: &[f64], direction: Option<&[f64]>, knots: usize) -> Option<Self> {
+        let finite = values.iter().copied().filter(|value| value.is_finite());
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = finite.fold(ends, |(low, high), x| (low.min(x), high.max(x)));
+        if !(high > low) || !(high - low).is_finite() || knots < 2 {
+            return None;
+        }
+        let last = knots - 1;
+        let place = |(k, value): (usize, &f64)| {
+            value.is_finite().then(|| {
+                let along = (value - low) / (high - low) * last as f64;
+                let knot = (along as usize).min(last - 1);
+                let back = direction.is_some_and(|direction| direction[k] < 0.0);
+                (knot + if back { knots } else { 0 }, along - knot as f64)
+            })
+        };
+        let places = values.iter().enumerate().map(place).collect();
+        Some(Self { places, knots: if direction.is_some() { 2 * knots } else { knots } })
+    }
+
+    /// Number of coefficients.
+    pub(super) fn knots(&self) -> usize {
+        self.knots
+    }
+
+    /// The function with these coefficients at a sample; zero where it has no place.
+    pub(super) fn value(&self, coefficients: &[f64], sample: usize) -> f64 {
+        self.places[sample].map_or(0.0, |(knot, share)| {
+            coefficients[knot] * (1.0 - share) + coefficients[knot + 1] * share
+        })
+    }
+}
+
+/// Normal equations of a least-squares fit, which are tridiagonal.
+#[derive(Clone, Debug)]
+pub(super) struct Normal {
+    diagonal: Vec<f64>,
+    beside: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Normal {
+    /// Of no sample.
+    pub(super) fn empty(knots: usize) -> Self {
+        Self { diagonal: vec![0.0; knots], beside: vec![0.0; knots], right: vec![0.0; knots] }
+    }
+
+    /// With more samples.
+    pub(super) fn add(&mut self, grid: &Grid, series: &[f64], samples: std::ops::Range<usize>) {
+        for k in samples {
+            let Some((knot, share)) = grid.places[k] else { continue };
+            let rest = 1.0 - share;
+            self.diagonal[knot] += rest * rest;
+            self.diagonal[knot + 1] += share * share;
+            self.beside[knot] += rest * share;
+            self.right[knot] += rest * series[k];
+            self.right[knot + 1] += share * series[k];
+        }
+    }
+
+    /// The sum with `sign` times another's.
+    pub(super) fn plus(&mut self, other: &Self, sign: f64) {
+        let pairs = [
+            (&mut self.diagonal, &other.diagonal),
+            (&mut self.beside, &other.beside),
+            (&mut self.right, &other.right),
+        ];
+        for (own, other) in pairs {
+            own.iter_mut().zip(other).for_each(|(own, other)| *own += sign * other);
+        }
+    }
+
+    /// Coefficients with `ridge` added to the diagonal, by Thomas' elimination; the ridge must be above
+    /// zero.
+    pub(super) fn solved(&self, ridge: f64) -> Vec<f64> {
+        let count = self.diagonal.len();
+        let (mut above, mut right) = (vec![0.0; count], vec![0.0; count]);
+        let (mut carried, mut known) = (0.0, 0.0);
+        for k in 0..count {
+            let below = if k > 0 { self.beside[k - 1] } else { 0.0 };
+            let pivot = self.diagonal[k] + ridge - below * carried;
+            above[k] = self.beside[k] / pivot;
+            right[k] = (self.right[k] - below * known) / pivot;
+            (carried, known) = (above[k], right[k]);
+        }
+        for k in (0..count.saturating_sub(1)).rev() {
+            right[k] -= above[k] * right[k + 1];
+        }
+        right
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piecewise_line_is_found_again() {
+        let values: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.01).collect();
+        let grid = Grid::new(&values, None, 6).unwrap();
+        let wanted = [1.0, -2.0, 0.5, 3.0, 3.0, -1.0];
+        let series: Vec<f64> = (0..1000).map(|k| grid.value(&wanted, k)).collect();
+        let mut normal = Normal::empty(grid.knots());
+        normal.add(&grid, &series, 0..1000);
+        // The ridge pulls by its share of some hundred samples a knot.
+        for (found, wanted) in normal.solved(1e-9).iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-8, "{found} {wanted}");
+        }
+    }
+
+    #[test]
+    fn each_direction_has_a_curve_of_its_own() {
+        let values: Vec<f64> = (0..400).map(|k| f64::from(k % 100)).collect();
+        let direction: Vec<f64> = (0..400).map(|k| if k < 200 { 1.0 } else { -1.0 }).collect();
+        let grid = Grid::new(&values, Some(&direction), 4).unwrap();
+        let mut normal = Normal::empty(grid.knots());
+        normal.add(&grid, &direction, 0..400);
+        let found = normal.solved(1e-9);
+        assert!(found[..4].iter().all(|c| (c - 1.0).abs() < 1e-6), "{found:?}");
+        assert!(found[4..].iter().all(|c| (c + 1.0).abs() < 1e-6), "{found:?}");
+    }
+
+    #[test]
+    fn what_stands_still_or_is_no_number_has_no_grid() {
+        assert!(Grid::new(&[1.0; 10], None, 4).is_none());
+        assert!(Grid::new(&[f64::NAN; 10], None, 4).is_none());
+        let grid = Grid::new(&[0.0, f64::NAN, 1.0], None, 2).unwrap();
+        assert_eq!(grid.value(&[5.0, 5.0], 1), 0.0);
+    }
+}

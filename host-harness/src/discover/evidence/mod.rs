@@ -1,0 +1,20 @@
+//! How much a finding explains, in proportion: what a user of the model loses without it.
+//!
+//! A likelihood says whether a difference is there, not whether it matters. Here the disturbance that
+//! a model leaves on the equation that misses most is estimated with the same filter before and after
+//! the effects were added, on samples that no fit has seen, and split into what the effects explain,
+//! what a generic family of functions still predicts, what is correlated in time but follows nothing,
+//! and what the sensors and white noise alone leave.
+
+mod blocks;
+mod budget;
+mod excitation;
+mod generic;
+mod hats;
+mod shares;
+
+pub use blocks::{Blocks, Share};
+pub use budget::{Budget, FreeRun};
+pub(super) use budget::{Weighed, weigh};
+pub(super) use excitation::cannot_tell;
+pub use generic::Predicted;
