@@ -217,6 +217,8 @@ fn the_recipe_for_an_effect_is_two_files_and_a_row_and_discover_names_it() {
         // Compiling takes most of the time, and the search is fast enough with less of it.
         .args(["--config", "profile.test.package.host-harness.opt-level=1"])
         .args(["--config", "profile.test.package.host-harness.debug=false"])
+        .args(["--config", "profile.test.package.host-harness.overflow-checks=false"])
+        .args(["--config", "profile.test.package.host-harness.debug-assertions=false"])
         .args(["test", "--locked", "--workspace", "--test", "effects", "--test", "docs"]));
     assert!(passed.contains("every_law_acts_at_the_size_of_its_example ... ok"), "{passed}");
 

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use joint_core::effect::Kind;
 
+use super::text::escape;
 use super::{html, residuals_csv};
 use crate::demo::actuator;
 use crate::discover::candidates::card;
@@ -134,8 +135,8 @@ fn the_page_says_what_was_found_escapes_what_it_shows_and_draws_no_nan() {
     let own =
         "Push on the rotor torque against motor_speed_rad_per_s, with which quadratic-drag varies";
     assert!(page.contains(own), "the effect is drawn against what it varies with");
-    let words = card(Kind::Cogging).words;
-    assert!(page.contains(words), "the effect found is explained: {words}");
+    let words = escape(card(Kind::Cogging).words);
+    assert!(page.contains(&words), "the effect found is explained: {words}");
     assert!(page.contains("scan &lt;slowly&gt; &amp; twice"));
     assert!(!page.contains("NaN") && !page.contains("inf "));
     for link in ["src=", "href=", "@import", "url("] {
