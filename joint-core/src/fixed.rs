@@ -11,7 +11,7 @@
 //! constants with an exponent of their own, remainders below the last place, closed flows; and the
 //! narrowing of its exact products, which its own would make dearer (`docs/step.md`).
 
-mod exponential;
+mod lines;
 
 use core::cmp::Ordering;
 use core::fmt;
@@ -20,7 +20,7 @@ use core::ops::{Add, Mul, Neg, Sub};
 use ::fixed::types::{I0F32, I1F31, I2F30, I6F26, I12F52, I16F16, I38F26, I102F26};
 
 use crate::scalar::{Scalar, single};
-use exponential::interpolated;
+use lines::{EXPONENTIAL, RELAXATION};
 
 /// Binary places of a state.
 const PLACES: u32 = I6F26::FRAC_NBITS;
@@ -151,7 +151,7 @@ impl Neg for Fixed {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(self.0.saturating_neg())
+        Self(I6F26::ZERO.saturating_sub(self.0))
     }
 }
 
@@ -203,11 +203,12 @@ impl Fixed {
         Self(I6F26::saturating_from_num(I38F26::from_bits(wide)))
     }
 
-    /// Quotient of numbers above zero by one that is no smaller, to 2e-5 of itself.
+    /// One over a number of at least 1/32, a smaller one taken for that; to 2e-5 of itself.
     #[inline(always)]
-    fn share(self, of: Self) -> Self {
-        let (lead, r) = reciprocal::<2>(of);
-        Self::from_bits(upper(self.to_bits() << lead, r).saturating_add(2) >> 2)
+    fn inverse(self) -> Self {
+        let (lead, r) = of_one_or_more::<2>(self.to_bits().max(UNIT / 32));
+        // 1/x is 2^(lead − 5) / D.
+        Self::from_bits((r << 1) >> (9 - lead))
     }
 }
 
@@ -272,8 +273,9 @@ impl Scalar for Fixed {
     }
     #[inline(always)]
     fn settled(self) -> Fixed {
+        let sign = |bits: i32| (bits as u32 >> 31) as i32;
         let bits = self.to_bits();
-        Self::from_bits(bits - bits.signum())
+        Self::from_bits(bits + sign(bits) - sign(bits.wrapping_neg()))
     }
     #[inline(always)]
     fn reached(self, gain: Gain, lost: Fixed) -> (Fixed, Fixed) {
@@ -307,7 +309,15 @@ impl Scalar for Fixed {
     }
     #[inline(always)]
     fn abs(self) -> Fixed {
-        Fixed(self.0.saturating_abs())
+        // Without a comparison, after which the compiler multiplies by what it then knows to be above zero
+        // in three instructions more.
+        let sign: I6F26 = self.0 >> 31;
+        Fixed((self.0 ^ sign).saturating_sub(sign))
+    }
+    /// The square as minus the product with minus itself, for the same reason.
+    #[inline(always)]
+    fn squared(self) -> Fixed {
+        -(self * -self)
     }
     /// `2^−p`, the whole part of `p` as a shift and a polynomial of fourth order for the rest.
     #[inline(always)]
@@ -327,33 +337,27 @@ impl Scalar for Fixed {
         }
         Self::from_bits((sum + (8 << whole)) >> (whole + 4))
     }
-    /// The exponential from a table of its values at eighths, with straight lines between: an error of
-    /// 5e-4 at most; zero from 16 on.
+    /// The exponential from a table with straight lines, to 5e-4. β stands between −0.96 and 7; a level
+    /// below 1/32 is taken for that.
     #[inline(always)]
     fn stribeck(self, beta: Fixed) -> (Fixed, Fixed) {
-        let excess = beta.nearest(interpolated(self.to_bits()));
-        let level = Self::ONE + excess;
-        (excess.share(level), level)
+        let decayed = EXPONENTIAL.at(self.to_bits()) as i32;
+        let excess = nearest_upper(beta.to_bits() << 2, decayed);
+        let level = Self::ONE + Self::from_bits(excess);
+        (Self::ONE - level.inverse(), level)
     }
-    /// As a share of the way to the slip value, since the quotient's parts would leave the range. From
-    /// a reach of 4.5 on, where 1 % of the way is left, the bristle is there.
+    /// The exact flow, ζ + (1 − exp(−x)) (±level − ζ), as a share of the way to the slip value: the parts of
+    /// the quotient that floats take would leave the range. The share over the reach comes from a table
+    /// with straight lines, to 6e-5; beyond a reach of 8 the bristle is there.
     #[inline(always)]
     fn relaxed(self, reach: Fixed, rho: Fixed, level: Fixed) -> Fixed {
-        const LIMIT: i32 = 9 * (UNIT / 2);
-        const SIXTH_OF_WORD: i32 = 715_827_883;
-        let x = reach.abs().nearest(rho).to_bits();
-        let x = if x < LIMIT { x } else { LIMIT };
-        // x + x² (½ + x/6): x in steps of 2⁻²⁸, the half and the square's half of 2⁻²⁸ and 2⁻²⁴.
-        let fine = x << 2;
-        let bent = upper(fine, (1 << 27) + upper(fine, SIXTH_OF_WORD));
-        let series = x + (upper(fine, bent << 4) << 2);
-        let (lead, r) = of_one_or_more::<2>(UNIT.saturating_add(series));
-        // In steps of 2⁻³⁰.
-        let share = upper(series << lead, r) << 2;
-        let share = if x < LIMIT { share } else { 1 << 30 };
-        let way = (level.along(reach) - self).to_bits().clamp(-8 * UNIT + 1, 8 * UNIT - 1);
+        let x = reach.abs().nearest(rho).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
+        let per_reach = RELAXATION.at(x);
+        // In steps of 2⁻²⁸.
+        let share = (u64::from((x as u32) << 3) * u64::from(per_reach)) >> 32;
+        let way = (level.along(reach) - self).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
         // To the nearest: rounded down, a bristle in stick would creep.
-        self + Self::from_bits(nearest_upper(way << 2, share))
+        self + Self::from_bits(nearest_upper(way << 2, (share as i32) << 2))
     }
     /// The sum of fixed point loses nothing.
     #[inline(always)]
@@ -389,8 +393,7 @@ impl Scalar for Fixed {
     /// By products with the share that is lost, in steps of 2⁻³²; a share stops at a half.
     #[inline(always)]
     fn kicked<const SQUARE: bool>(self, gained: Fixed, lost: Fixed) -> Fixed {
-        const LIMIT: i32 = UNIT / 2;
-        let half = lost.to_bits().clamp(-2 * LIMIT + 2, 2 * LIMIT - 2) << 5;
+        let half = lost.to_bits().clamp(-UNIT, UNIT - 1) << 5;
         let damped = nearest_upper(gained.to_bits(), half);
         let back = if SQUARE { nearest_upper(damped, half) } else { 0 };
         self + (gained - Self::from_bits(damped - back))

@@ -148,7 +148,7 @@ impl<S: Scalar> Friction<S> {
     #[inline(always)]
     pub(crate) fn curve(&self, speed: S) -> Curve<S> {
         let relative = speed.times(self.per_stribeck_velocity);
-        let square = relative * relative;
+        let square = relative.squared();
         let (excess, level) = square.stribeck(self.beta);
         let rho = S::ONE - excess;
         Curve { level, rho, steepness: rho * excess * square }

@@ -208,6 +208,12 @@ pub trait Scalar:
         self * other
     }
 
+    /// Its square.
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self * self
+    }
+
     /// Half of it.
     #[inline(always)]
     fn half(self) -> Self {
