@@ -104,9 +104,9 @@ fn a_bristle_relaxes_by_the_exponential_of_its_reach() {
             assert!((found - exact).abs() < bound, "{reach} {zeta}: {found} {exact}");
         }
     }
-    // Beyond a reach of 8 nothing is left of the way.
+    // Beyond a reach of 8 nothing is left of the way but that error.
     let far = to(-0.5).relaxed(to(30.0), Fixed::ONE, Fixed::ONE);
-    assert!((far - Fixed::ONE).abs() < Fixed::from_bits(64), "{far}");
+    assert!((far.to_f64() - 1.0).abs() < 6e-5 * 8.0 * 1.5, "{far}");
 }
 
 #[test]
