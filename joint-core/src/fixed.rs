@@ -17,7 +17,7 @@ use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, Mul, Neg, Sub};
 
-use ::fixed::types::{I0F32, I1F31, I2F30, I6F26, I12F52, I16F16, I38F26, I102F26};
+use ::fixed::types::{I0F32, I1F31, I2F30, I6F26, I12F20, I12F52, I16F16, I38F26, I102F26};
 
 use crate::scalar::{Scalar, single};
 use lines::{EXPONENTIAL, RELAXATION};
@@ -248,6 +248,37 @@ impl Scalar for Fixed {
             mantissa: I1F31::from_bits(mantissa.min(i64::from(i32::MAX)) as i32),
             power: 1 << bits,
         }
+    }
+    /// Of one exponent, so that no sum of products ends the range of 64 bits; constants of an eighth or
+    /// more together are in steps of 2⁻²⁰ and stop at 512.
+    fn gains<const K: usize>(values: [f64; K]) -> [Gain; K] {
+        let whole = Self::gain(values.iter().map(|value| libm::fabs(*value)).sum());
+        if whole.power == 0 {
+            let large = |value: f64| nearest_f64::<I12F20>(value.clamp(-512.0, 511.0)).to_bits();
+            return values.map(|value| Gain { mantissa: I1F31::from_bits(large(value)), power: 0 });
+        }
+        let unit = 18_446_744_073_709_551_616.0 / f64::from(whole.power);
+        values.map(|value| {
+            let mantissa = libm::round(value * unit) as i32;
+            Gain { mantissa: I1F31::from_bits(mantissa), power: whole.power }
+        })
+    }
+    #[inline(always)]
+    fn weighed<const K: usize>(values: [Fixed; K], gains: [Gain; K]) -> Fixed {
+        let products = values.iter().zip(gains).map(|(value, gain)| gain.product(*value));
+        let sum = products.fold(0, i64::wrapping_add);
+        match gains.first() {
+            Some(Gain { power: 0, .. }) | None => {
+                Self::from_bits(from_place::<20>(sum.wrapping_add(1 << 19)))
+            }
+            Some(Gain { power, .. }) => {
+                Self::from_bits(nearest_upper((sum.wrapping_add(1 << 31) >> 32) as i32, *power))
+            }
+        }
+    }
+    #[inline(always)]
+    fn plus_weighed<const K: usize>(self, values: [Fixed; K], gains: [Gain; K]) -> Fixed {
+        self + Self::weighed(values, gains)
     }
     fn from_f64(value: f64) -> Fixed {
         Fixed(nearest_f64(value))

@@ -92,6 +92,23 @@ pub trait Scalar:
     fn times_nearest(self, gain: Self::Gain) -> Self {
         self.times(gain)
     }
+    /// Constants whose products are summed up, by [`Scalar::weighed`] alone: fixed point gives them one
+    /// exponent and rounds the sum instead of each product.
+    fn gains<const K: usize>(values: [f64; K]) -> [Self::Gain; K] {
+        values.map(Self::gain)
+    }
+    /// Sum of the products with constants of one call of [`Scalar::gains`].
+    #[inline(always)]
+    fn weighed<const K: usize>(values: [Self; K], gains: [Self::Gain; K]) -> Self {
+        let products = values.into_iter().zip(gains).map(|(value, gain)| value.times(gain));
+        products.reduce(|sum, product| sum + product).unwrap_or(Self::ZERO)
+    }
+    /// Its sum with such a sum.
+    #[inline(always)]
+    fn plus_weighed<const K: usize>(self, values: [Self; K], gains: [Self::Gain; K]) -> Self {
+        let products = values.into_iter().zip(gains).map(|(value, gain)| value.times(gain));
+        products.fold(self, |sum, product| sum + product)
+    }
     /// A bristle's motion at this speed, and what rounding has taken of those before: left out, a speed
     /// too small for the product would creep on.
     #[inline(always)]
