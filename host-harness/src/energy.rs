@@ -5,9 +5,9 @@
 //! Of what lies beside the plain joint it counts the mesh of a worm and the coating; other effects not.
 
 use joint_core::effect::Kind;
+use joint_core::effect::worm;
 use joint_core::params::Stage;
 use joint_core::per_unit::{Bases, reflected_inertia};
-use joint_core::worm;
 
 use crate::model::Model;
 use crate::plant::Layout;

@@ -97,7 +97,7 @@ pub trait Plant: Send + Sync {
     /// Micro-steps in the interval after sample `k`.
     fn micro_steps(&self, k: usize) -> u32;
     /// The constants of its joints, to be laid beside those of others.
-    fn constants(&self) -> Option<Constants>;
+    fn constants(&self) -> Constants;
     /// Plants of these constants side by side, over the intervals of this one; `None` where they differ
     /// by more than their numbers.
     fn abreast(&self, constants: &[&Constants]) -> Option<Box<dyn Abreast>>;
@@ -258,7 +258,7 @@ impl<const N: usize> Plant for Built<f64, N> {
         self.joint(k).micro_steps()
     }
 
-    fn constants(&self) -> Option<Constants> {
+    fn constants(&self) -> Constants {
         lanes::constants(&self.joints)
     }
 

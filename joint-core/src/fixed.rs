@@ -19,7 +19,11 @@ use core::ops::{Add, Mul, Neg, Sub};
 
 use ::fixed::types::{I0F32, I1F31, I2F30, I6F26, I12F20, I12F52, I16F16, I38F26, I102F26};
 
-use crate::scalar::{Scalar, single};
+use crate::angle::{Turns, counted};
+use crate::friction::{Damped, Relaxation, Stribeck};
+use crate::gear::Deflection;
+use crate::number::{Elementary, Limits, Number, Sums, compared};
+use crate::work::Wide;
 use lines::{EXPONENTIAL, RELAXATION};
 
 /// Binary places of a state.
@@ -131,6 +135,18 @@ impl Gain {
     }
 }
 
+impl Gain {
+    /// A sum of products with constants of [`Sums::gains`], of which this is one, to the nearest number.
+    #[inline(always)]
+    fn summed(self, products: i64) -> Fixed {
+        if self.power == 0 {
+            return Fixed::from_bits(from_place::<20>(products.wrapping_add(1 << 19)));
+        }
+        let upper = (products.wrapping_add(1 << 31) >> 32) as i32;
+        Fixed::from_bits(nearest_upper(upper, self.power))
+    }
+}
+
 impl Add for Fixed {
     type Output = Self;
     #[inline(always)]
@@ -212,24 +228,13 @@ impl Fixed {
     }
 }
 
-impl Scalar for Fixed {
+impl Number for Fixed {
     type Gain = Gain;
-    single!();
-
-    const LARGEST: f64 = 32.0;
-    const LARGEST_GAIN: f64 = 32_768.0;
+    compared!();
 
     const ZERO: Fixed = Fixed(I6F26::ZERO);
     const ONE: Fixed = Fixed(I6F26::ONE);
     const HALF: Fixed = Fixed(I6F26::lit("0.5"));
-    const SIXTH: Fixed = Fixed(I6F26::lit("0.1666666667"));
-    const ELEVEN_TWELFTHS: Fixed = Fixed(I6F26::lit("0.9166666667"));
-    const IMPLICIT: bool = false;
-    const RISES: bool = false;
-    const REACH: f64 = 1.0;
-    const PER_REACH: Fixed = Self::ONE;
-    const RELAXING: [Fixed; 2] = [Self::ONE, Self::HALF];
-    const SQUARE: f64 = 1.0;
 
     /// Beyond 32768 a constant stops; below 2⁻³³ it is zero.
     fn gain(value: f64) -> Gain {
@@ -248,37 +253,6 @@ impl Scalar for Fixed {
             mantissa: I1F31::from_bits(mantissa.min(i64::from(i32::MAX)) as i32),
             power: 1 << bits,
         }
-    }
-    /// Of one exponent, so that no sum of products ends the range of 64 bits; constants of an eighth or
-    /// more together are in steps of 2⁻²⁰ and stop at 512.
-    fn gains<const K: usize>(values: [f64; K]) -> [Gain; K] {
-        let whole = Self::gain(values.iter().map(|value| libm::fabs(*value)).sum());
-        if whole.power == 0 {
-            let large = |value: f64| nearest_f64::<I12F20>(value.clamp(-512.0, 511.0)).to_bits();
-            return values.map(|value| Gain { mantissa: I1F31::from_bits(large(value)), power: 0 });
-        }
-        let unit = 18_446_744_073_709_551_616.0 / f64::from(whole.power);
-        values.map(|value| {
-            let mantissa = libm::round(value * unit) as i32;
-            Gain { mantissa: I1F31::from_bits(mantissa), power: whole.power }
-        })
-    }
-    #[inline(always)]
-    fn weighed<const K: usize>(values: [Fixed; K], gains: [Gain; K]) -> Fixed {
-        let products = values.iter().zip(gains).map(|(value, gain)| gain.product(*value));
-        let sum = products.fold(0, i64::wrapping_add);
-        match gains.first() {
-            Some(Gain { power: 0, .. }) | None => {
-                Self::from_bits(from_place::<20>(sum.wrapping_add(1 << 19)))
-            }
-            Some(Gain { power, .. }) => {
-                Self::from_bits(nearest_upper((sum.wrapping_add(1 << 31) >> 32) as i32, *power))
-            }
-        }
-    }
-    #[inline(always)]
-    fn plus_weighed<const K: usize>(self, values: [Fixed; K], gains: [Gain; K]) -> Fixed {
-        self + Self::weighed(values, gains)
     }
     fn from_f64(value: f64) -> Fixed {
         Fixed(nearest_f64(value))
@@ -301,31 +275,6 @@ impl Scalar for Fixed {
             return Self::from_bits(from_place::<16>(product + (1 << 15)));
         }
         Self::from_bits(nearest_upper(((product + (1 << 31)) >> 32) as i32, gain.power))
-    }
-    #[inline(always)]
-    fn settled(self) -> Fixed {
-        let sign = |bits: i32| (bits as u32 >> 31) as i32;
-        let bits = self.to_bits();
-        Self::from_bits(bits + sign(bits) - sign(bits.wrapping_neg()))
-    }
-    #[inline(always)]
-    fn reached(self, gain: Gain, lost: Fixed) -> (Fixed, Fixed) {
-        let (reach, rest) = if gain.power == 0 {
-            let product = gain.product(self);
-            (from_place::<16>(product), (product as u32) << 16)
-        } else {
-            let moved = gain.exactly(self);
-            ((moved >> 32) as i32, moved as u32)
-        };
-        let (low, carry) = (lost.to_bits() as u32).overflowing_add(rest);
-        (Self::from_bits(reach.saturating_add(i32::from(carry))), Self::from_bits(low as i32))
-    }
-    #[inline(always)]
-    fn drifted(self, lost: Fixed, change: Fixed, gain: Gain) -> (Fixed, Fixed) {
-        let moved = gain.exactly(change);
-        let (low, carry) = (lost.to_bits() as u32).overflowing_add(moved as u32);
-        let whole = (moved >> 32) as i32 + i32::from(carry);
-        (self + Self::from_bits(whole), Self::from_bits(low as i32))
     }
     #[inline]
     fn ratio(self, at_least_self: Fixed) -> Fixed {
@@ -350,6 +299,69 @@ impl Scalar for Fixed {
     fn squared(self) -> Fixed {
         -(self * -self)
     }
+    #[inline(always)]
+    fn nearest(self, other: Fixed) -> Fixed {
+        Self::from_bits(from_place::<PLACES>(self.product(other) + i64::from(UNIT / 2)))
+    }
+    #[inline(always)]
+    fn half(self) -> Fixed {
+        Fixed(self.0 >> 1)
+    }
+    #[inline(always)]
+    fn eighth(self) -> Fixed {
+        Fixed(self.0 >> 3)
+    }
+    #[inline(always)]
+    fn along(self, direction: Fixed) -> Fixed {
+        if direction.0.is_negative() { -self } else { self }
+    }
+}
+
+impl Sums for Fixed {
+    /// Of one exponent, so that no sum of products ends the range of 64 bits; constants of an eighth or
+    /// more together are in steps of 2⁻²⁰ and stop at 512.
+    fn gains<const K: usize>(values: [f64; K]) -> [Gain; K] {
+        let whole = Self::gain(values.iter().map(|value| libm::fabs(*value)).sum());
+        if whole.power == 0 {
+            let large = |value: f64| nearest_f64::<I12F20>(value.clamp(-512.0, 511.0)).to_bits();
+            return values.map(|value| Gain { mantissa: I1F31::from_bits(large(value)), power: 0 });
+        }
+        let unit = 18_446_744_073_709_551_616.0 / f64::from(whole.power);
+        values.map(|value| {
+            let mantissa = libm::round(value * unit) as i32;
+            Gain { mantissa: I1F31::from_bits(mantissa), power: whole.power }
+        })
+    }
+    #[inline(always)]
+    fn weighed<const K: usize>(plus: [(Fixed, Gain); K], (minus, gain): (Fixed, Gain)) -> Fixed {
+        let products = plus.iter().map(|(value, gain)| gain.product(*value));
+        let sum = products.fold(0, i64::wrapping_add);
+        gain.summed(sum.wrapping_sub(gain.product(minus)))
+    }
+    #[inline(always)]
+    fn plus_weighed<const K: usize>(self, plus: [(Fixed, Gain); K], minus: (Fixed, Gain)) -> Fixed {
+        self + Self::weighed(plus, minus)
+    }
+    #[inline(always)]
+    fn weighed_alone(self, gain: Gain) -> Fixed {
+        gain.summed(gain.product(self))
+    }
+}
+
+impl Limits for Fixed {
+    const LARGEST: f64 = 32.0;
+    const LARGEST_GAIN: f64 = 32_768.0;
+    const IMPLICIT: bool = false;
+
+    /// A large constant's product stops up to 2¹⁶ steps before the last one.
+    #[inline(always)]
+    fn is_at_limit(self) -> bool {
+        const LIMIT: I6F26 = I6F26::from_bits(i32::MAX - (1 << 16));
+        self.0 > LIMIT || self.0 < -LIMIT
+    }
+}
+
+impl Elementary for Fixed {
     /// `2^−p`, the whole part of `p` as a shift and a polynomial of fourth order for the rest.
     #[inline(always)]
     fn exp_minus(self) -> Fixed {
@@ -368,84 +380,6 @@ impl Scalar for Fixed {
         }
         Self::from_bits((sum + (8 << whole)) >> (whole + 4))
     }
-    /// The exponential from a table with straight lines, to 5e-4. β stands between −0.96 and 7; a level
-    /// below 1/32 is taken for that.
-    #[inline(always)]
-    fn stribeck(self, beta: Fixed) -> (Fixed, Fixed) {
-        let decayed = EXPONENTIAL.at(self.to_bits()) as i32;
-        let excess = nearest_upper(beta.to_bits() << 2, decayed);
-        let level = Self::ONE + Self::from_bits(excess);
-        (Self::ONE - level.inverse(), level)
-    }
-    /// The exact flow, ζ + (1 − exp(−x)) (±level − ζ), as a share of the way to the slip value: the parts of
-    /// the quotient that floats take would leave the range. The share over the reach comes from a table
-    /// with straight lines, to 6e-5; beyond a reach of 8 the bristle is there.
-    #[inline(always)]
-    fn relaxed(self, reach: Fixed, rho: Fixed, level: Fixed) -> Fixed {
-        let x = reach.abs().nearest(rho).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
-        let per_reach = RELAXATION.at(x);
-        // In steps of 2⁻²⁸.
-        let share = (u64::from((x as u32) << 3) * u64::from(per_reach)) >> 32;
-        let way = (level.along(reach) - self).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
-        // To the nearest: rounded down, a bristle in stick would creep.
-        self + Self::from_bits(nearest_upper(way << 2, (share as i32) << 2))
-    }
-    /// The sum of fixed point loses nothing.
-    #[inline(always)]
-    fn relaxed_exactly(
-        self,
-        lost: Fixed,
-        reach: Fixed,
-        rho: Fixed,
-        level: Fixed,
-    ) -> (Fixed, Fixed) {
-        (self.relaxed(reach, rho, level), lost)
-    }
-    #[inline(always)]
-    fn nearest(self, other: Fixed) -> Fixed {
-        Self::from_bits(from_place::<PLACES>(self.product(other) + i64::from(UNIT / 2)))
-    }
-    #[inline(always)]
-    fn half(self) -> Fixed {
-        Fixed(self.0 >> 1)
-    }
-    #[inline(always)]
-    fn eighth(self) -> Fixed {
-        Fixed(self.0 >> 3)
-    }
-    #[inline(always)]
-    fn swing(self) -> Fixed {
-        Fixed(self.0.wrapping_add(I6F26::from_bits(8)) >> 4)
-    }
-    #[inline(always)]
-    fn per_square(self) -> Fixed {
-        self
-    }
-    /// By products with the share that is lost, in steps of 2⁻³²; a share stops at a half.
-    #[inline(always)]
-    fn kicked<const SQUARE: bool>(self, gained: Fixed, lost: Fixed) -> Fixed {
-        let half = lost.to_bits().clamp(-UNIT, UNIT - 1) << 5;
-        let damped = nearest_upper(gained.to_bits(), half);
-        let back = if SQUARE { nearest_upper(damped, half) } else { 0 };
-        self + (gained - Self::from_bits(damped - back))
-    }
-    #[inline(always)]
-    fn along(self, direction: Fixed) -> Fixed {
-        if direction.0.is_negative() { -self } else { self }
-    }
-    /// A large constant's product stops up to 2¹⁶ steps before the last one.
-    #[inline(always)]
-    fn is_at_limit(self) -> bool {
-        const LIMIT: I6F26 = I6F26::from_bits(i32::MAX - (1 << 16));
-        self.0 > LIMIT || self.0 < -LIMIT
-    }
-    fn from_small(value: u8) -> Fixed {
-        Fixed(I6F26::saturating_from_num(value))
-    }
-    #[inline(always)]
-    fn from_turn_counts(counts: i32) -> Fixed {
-        Fixed(I6F26::wrapping_from_num(I0F32::from_bits(counts)))
-    }
     #[inline(always)]
     fn sin_turns(self) -> Fixed {
         let p = self * (Fixed::HALF - self.abs());
@@ -457,6 +391,15 @@ impl Scalar for Fixed {
         }
         let quarter = p * sum;
         quarter + quarter + quarter + quarter
+    }
+}
+
+impl Turns for Fixed {
+    counted!();
+
+    #[inline(always)]
+    fn from_turn_counts(counts: i32) -> Fixed {
+        Fixed(I6F26::wrapping_from_num(I0F32::from_bits(counts)))
     }
     #[inline(always)]
     fn split_turns(self) -> (i32, Fixed) {
@@ -494,6 +437,102 @@ impl Scalar for Fixed {
         Fixed(I6F26::saturating_from_num(I102F26::from_bits(scaled(turns, ratio))))
     }
 }
+
+impl Deflection for Fixed {
+    #[inline(always)]
+    fn drifted(self, lost: Fixed, change: Fixed, gain: Gain) -> (Fixed, Fixed) {
+        let moved = gain.exactly(change);
+        let (low, carry) = (lost.to_bits() as u32).overflowing_add(moved as u32);
+        let whole = (moved >> 32) as i32 + i32::from(carry);
+        (self + Self::from_bits(whole), Self::from_bits(low as i32))
+    }
+}
+
+impl Stribeck for Fixed {
+    const SQUARE: f64 = 1.0;
+
+    /// The exponential from a table with straight lines, to 5e-4. β stands between −0.96 and 7; a level
+    /// below 1/32 is taken for that.
+    #[inline(always)]
+    fn stribeck(self, beta: Fixed) -> (Fixed, Fixed) {
+        let decayed = EXPONENTIAL.at(self.to_bits()) as i32;
+        let excess = nearest_upper(beta.to_bits() << 2, decayed);
+        let level = Self::ONE + Self::from_bits(excess);
+        (Self::ONE - level.inverse(), level)
+    }
+}
+
+impl Relaxation for Fixed {
+    const REACH: f64 = 1.0;
+    const PER_REACH: Fixed = Self::ONE;
+    const RELAXING: [Fixed; 2] = [Self::ONE, Self::HALF];
+    const SIXTH: Fixed = Fixed(I6F26::lit("0.1666666667"));
+    const ELEVEN_TWELFTHS: Fixed = Fixed(I6F26::lit("0.9166666667"));
+
+    #[inline(always)]
+    fn reached(self, gain: Gain, lost: Fixed) -> (Fixed, Fixed) {
+        let (reach, rest) = if gain.power == 0 {
+            let product = gain.product(self);
+            (from_place::<16>(product), (product as u32) << 16)
+        } else {
+            let moved = gain.exactly(self);
+            ((moved >> 32) as i32, moved as u32)
+        };
+        let (low, carry) = (lost.to_bits() as u32).overflowing_add(rest);
+        (Self::from_bits(reach.saturating_add(i32::from(carry))), Self::from_bits(low as i32))
+    }
+    /// The exact flow, ζ + (1 − exp(−x)) (±level − ζ), as a share of the way to the slip value: the parts of
+    /// the quotient that floats take would leave the range. The share over the reach comes from a table
+    /// with straight lines, to 6e-5; beyond a reach of 8 the bristle is there.
+    #[inline(always)]
+    fn relaxed(self, reach: Fixed, rho: Fixed, level: Fixed) -> Fixed {
+        let x = reach.abs().nearest(rho).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
+        let per_reach = RELAXATION.at(x);
+        // In steps of 2⁻²⁸.
+        let share = (u64::from((x as u32) << 3) * u64::from(per_reach)) >> 32;
+        let way = (level.along(reach) - self).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
+        // To the nearest: rounded down, a bristle in stick would creep.
+        self + Self::from_bits(nearest_upper(way << 2, (share as i32) << 2))
+    }
+    /// The sum of fixed point loses nothing.
+    #[inline(always)]
+    fn relaxed_exactly(
+        self,
+        lost: Fixed,
+        reach: Fixed,
+        rho: Fixed,
+        level: Fixed,
+    ) -> (Fixed, Fixed) {
+        (self.relaxed(reach, rho, level), lost)
+    }
+    #[inline(always)]
+    fn swing(self) -> Fixed {
+        Fixed(self.0.wrapping_add(I6F26::from_bits(8)) >> 4)
+    }
+}
+
+impl Damped for Fixed {
+    #[inline(always)]
+    fn settled(self) -> Fixed {
+        let sign = |bits: i32| (bits as u32 >> 31) as i32;
+        let bits = self.to_bits();
+        Self::from_bits(bits + sign(bits) - sign(bits.wrapping_neg()))
+    }
+    /// By products with the share that is lost, in steps of 2⁻³²; a share stops at a half.
+    #[inline(always)]
+    fn kicked<const SQUARE: bool>(self, gained: Fixed, lost: Fixed) -> Fixed {
+        let half = lost.to_bits().clamp(-UNIT, UNIT - 1) << 5;
+        let damped = nearest_upper(gained.to_bits(), half);
+        let back = if SQUARE { nearest_upper(damped, half) } else { 0 };
+        self + (gained - Self::from_bits(damped - back))
+    }
+    #[inline(always)]
+    fn risen(self, _began: Fixed, _lost: Fixed) -> Fixed {
+        self
+    }
+}
+
+impl Wide for Fixed {}
 
 /// A long number times a constant; not for the plain step.
 fn scaled(value: i64, gain: Gain) -> i128 {

@@ -1,13 +1,38 @@
 //! The spring of one gear stage, `T = k1 x + k3 x³ + c ẋ`, equation (1), reflected to the motor.
 
+use crate::batch::batch;
+use crate::number::Number;
 use crate::params::Stage;
-use crate::scalar::Scalar;
+
+/// How a format sums a deflection, and takes the tangent of a hardening spring.
+pub trait Deflection: Number {
+    /// The deflection after it grew by a product, and what rounding has taken of it so far: a float
+    /// keeps nothing, since it rounds by a share of the sum.
+    #[inline(always)]
+    fn drifted(self, lost: Self, change: Self, gain: Self::Gain) -> (Self, Self) {
+        (self + change.times(gain), lost)
+    }
+    /// Three times it.
+    #[inline(always)]
+    fn thrice(self) -> Self {
+        self + self + self
+    }
+}
+
+impl Deflection for f32 {
+    #[inline(always)]
+    fn thrice(self) -> f32 {
+        self * 3.0
+    }
+}
+
+impl Deflection for f64 {}
 
 /// Constants of one stage's spring, per-unit and reflected to the motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
-pub struct Spring<S: Scalar> {
+pub struct Spring<S: Number> {
     linear: S,
     /// Root of the cubic stiffness: a deflection's square may not fit the number's range.
     cubic: S::Gain,
@@ -17,7 +42,9 @@ pub struct Spring<S: Scalar> {
     after: S::Gain,
 }
 
-impl<S: Scalar> Spring<S> {
+batch!(Spring<Deflection>: linear, cubic, damping, before, after);
+
+impl<S: Deflection> Spring<S> {
     /// From SI: `shaft` is the ratio of the spring's output side to the motor; `inertia` are the
     /// reflected inertias before and after it.
     pub(crate) fn new(
@@ -85,4 +112,20 @@ impl<S: Scalar> Spring<S> {
         *before = *before - relative.times(self.before);
         *after = *after + relative.times(self.after);
     }
+}
+
+/// Tangent stiffness of a stage's spring under a torque, Nm/rad.
+pub(crate) fn tangent(stage: &Stage, torque: f64) -> f64 {
+    let x = deflection(stage, torque);
+    stage.stiffness_nm_per_rad + 3.0 * stage.cubic_stiffness_nm_per_rad3 * x * x
+}
+
+/// Deflection of a stage's spring under a torque, rad at its output.
+pub(crate) fn deflection(stage: &Stage, torque: f64) -> f64 {
+    let (k1, k3) = (stage.stiffness_nm_per_rad, stage.cubic_stiffness_nm_per_rad3);
+    let mut x = torque / k1;
+    for _ in 0..20 {
+        x -= (k1 * x + k3 * x * x * x - torque) / (k1 + 3.0 * k3 * x * x);
+    }
+    x
 }

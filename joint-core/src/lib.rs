@@ -51,21 +51,23 @@
 //! ```
 
 pub mod angle;
+pub mod batch;
 pub mod effect;
 pub mod fixed;
 pub mod friction;
 pub mod gear;
-mod implicit;
 pub mod joint;
-mod levels;
 pub mod motor;
+pub mod number;
 pub mod observer;
 pub mod pace;
 pub mod params;
 pub mod per_unit;
 pub mod range;
 pub mod scalar;
+pub mod settings;
+pub mod six_step;
+mod state;
 mod step;
 pub mod telemetry;
 pub mod work;
-pub mod worm;

@@ -6,10 +6,12 @@
 //! to be stable is stepped by the implicit method. Effects count where they stiffen a joint or
 //! raise a friction level; play does neither.
 
-use crate::effect::{EffectParameters, Kind, mass_at};
-use crate::joint::{MIDDLE, Settings};
+use crate::effect::{EffectParameters, Kind};
+use crate::gear::tangent;
 use crate::params::{Load, Location, Motor, Stage};
-use crate::per_unit::{Bases, reflected_inertia};
+use crate::per_unit::{Bases, mass_at, reflected_inertia};
+use crate::settings::{Method, Settings};
+use crate::step::MIDDLE;
 
 /// Most micro-steps one step is divided into.
 pub const MAX_MICRO_STEPS: u32 = 64;
@@ -33,18 +35,6 @@ const COARSE_OF_IMPLICIT: f64 = 4.0;
 const IMPLICIT_GROWTH: f64 = 1.0;
 /// Steepest slope of exp(−x²).
 const STEEPEST: f64 = 0.857_763_884_960_706_8;
-
-/// Whether this build has the implicit method.
-pub const IMPLICIT: bool = cfg!(feature = "implicit");
-
-/// How a joint is advanced over a micro-step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// The fourth-order splitting: exact about vibrations that a micro-step resolves.
-    Splitting,
-    /// The L-stable implicit method: it damps away those that none does.
-    Implicit,
-}
 
 /// A method, and the micro-steps that it takes in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -276,27 +266,11 @@ impl Added<'_> {
     }
 }
 
-/// Tangent stiffness of a stage's spring under a torque, Nm/rad.
-fn tangent(stage: &Stage, torque: f64) -> f64 {
-    let x = deflection(stage, torque);
-    stage.stiffness_nm_per_rad + 3.0 * stage.cubic_stiffness_nm_per_rad3 * x * x
-}
-
-/// Deflection of a stage's spring under a torque, rad at its output.
-pub(crate) fn deflection(stage: &Stage, torque: f64) -> f64 {
-    let (k1, k3) = (stage.stiffness_nm_per_rad, stage.cubic_stiffness_nm_per_rad3);
-    let mut x = torque / k1;
-    for _ in 0..20 {
-        x -= (k1 * x + k3 * x * x * x - torque) / (k1 + 3.0 * k3 * x * x);
-    }
-    x
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::joint::Drive;
     use crate::params::Friction;
+    use crate::settings::Drive;
 
     const MOTOR: Motor = Motor {
         phase_resistance_ohm: 4.0,

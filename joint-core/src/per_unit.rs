@@ -5,6 +5,7 @@
 //! by N². What is left spans a few decades instead of ten, and is then divided by bases taken from
 //! the parameters, so that states are of the order of one in every number format.
 
+use crate::gear::deflection;
 use crate::params::{Load, Location, Motor, Stage};
 
 /// The joint's units, and what effects need to know of the joint.
@@ -59,7 +60,7 @@ impl<'a> Bases<'a> {
         // Deflections under a torque of eight units stay below sixteen, by powers of two.
         let deepest = (1..=stages.len()).zip(stages).fold(0.0, |deepest: f64, (mass, stage)| {
             let shaft = libm::fabs(si.shaft(mass));
-            deepest.max(crate::pace::deflection(stage, 8.0 * torque / shaft) / shaft)
+            deepest.max(deflection(stage, 8.0 * torque / shaft) / shaft)
         });
         let mut angle = speed * step;
         while angle < deepest / 16.0 {
@@ -80,7 +81,7 @@ impl<'a> Bases<'a> {
 
     /// The mass at a place, 0 at the rotor; `None` where there is no such stage.
     pub fn mass(&self, location: Location) -> Option<usize> {
-        crate::effect::mass_at(location, self.stages.len())
+        mass_at(location, self.stages.len())
     }
 
     /// Unit of torque on a mass, at its own side, Nm; negative where the gear reverses.
@@ -127,4 +128,19 @@ pub fn reflected_inertia(motor: &Motor, stages: &[Stage], load: &Load, mass: usi
         inertia = if own > 0.0 { own * shaft * shaft } else { 0.01 * inertia };
     }
     inertia
+}
+
+/// The place of an effect among the masses: its own number for the rotor and the stages, the last
+/// one for the output.
+pub(crate) fn mass_at(location: Location, stages: usize) -> Option<usize> {
+    match location {
+        Location::Stage(k) => {
+            let k = usize::from(k);
+            (k >= 1 && k <= stages).then_some(k)
+        }
+        Location::Output | Location::OutputEncoder => Some(stages),
+        Location::Motor | Location::Inverter | Location::CurrentSensor | Location::Encoder => {
+            Some(0)
+        }
+    }
 }

@@ -7,10 +7,11 @@
 //! time has died out. Inputs that pump a resonance may go beyond; words then stop instead of wrapping,
 //! and [`crate::joint::Joint::saturated`] counts them.
 
-use crate::joint::{Drive, Settings};
+use crate::gear::deflection;
+use crate::number::Limits;
 use crate::params::{Check, Load, Motor, ParameterError, Reason, Stage, Table};
 use crate::per_unit::{Bases, reflected_inertia};
-use crate::scalar::Scalar;
+use crate::settings::{Drive, Settings};
 
 /// A constant as it stands in a word, and the parameter that it grows with.
 struct Constant {
@@ -36,7 +37,7 @@ impl Constant {
 ///
 /// # Errors
 /// The first that does not, by the key of the parameter that it grows with, and how large that may be.
-pub(crate) fn check<S: Scalar>(
+pub(crate) fn check<S: Limits>(
     bases: &Bases<'_>,
     stages: &[Stage],
     step: f64,
@@ -71,7 +72,7 @@ pub(crate) fn check<S: Scalar>(
 
 /// The largest drive, V or A, up to which no word of the step ends its range beside a load of up to
 /// `load_nm`; zero where the load alone is too much. Infinite for floats.
-pub fn largest_drive<S: Scalar>(
+pub fn largest_drive<S: Limits>(
     motor: &Motor,
     stages: &[Stage],
     load: &Load,
@@ -107,7 +108,7 @@ pub fn largest_drive<S: Scalar>(
                 let sudden = loaded + bases.breakaway(mass) / bases.torque + drive * behind / whole;
                 let impedance = libm::sqrt(stiffness * inertia(mass)) * bases.speed;
                 swing = 2.0 * sudden * bases.torque / impedance;
-                let bent = crate::pace::deflection(stage, torque * bases.torque / shaft) / shaft;
+                let bent = deflection(stage, torque * bases.torque / shaft) / shaft;
                 most = most.max(bent / bases.angle);
             }
             let fastest = speed + swing;

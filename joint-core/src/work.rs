@@ -1,13 +1,8 @@
-//! The step as work that a number may have done in its own way.
+//! Work that a number may have done in its own way.
 //!
 //! A drive is compiled for its one processor. A host is not: a program for every processor of its kind
-//! leaves half the width of most of them idle. So a number of many lanes gets the step whole, to
-//! compile it for wider registers as well.
-
-use crate::effect::Effects;
-use crate::friction::{Friction, Half, Turn};
-use crate::joint::{Input, Joint, Mass, State};
-use crate::scalar::Scalar;
+//! leaves half the width of most of them idle. So a number of many lanes gets the functions of a step
+//! whole, to compile them for wider registers as well.
 
 /// Work whose functions are inlined into whoever runs it.
 pub trait Work {
@@ -17,81 +12,46 @@ pub trait Work {
     fn run(self) -> Self::Output;
 }
 
-/// One micro-step of a joint.
-pub(crate) struct MicroStep<'a, S: Scalar, const N: usize, E> {
-    pub(crate) joint: &'a Joint<S, N, E>,
-    pub(crate) state: &'a mut State<S, N>,
-    pub(crate) input: Input<S>,
-}
-
-impl<S: Scalar, const N: usize, E: Effects<S>> Work for MicroStep<'_, S, N, E> {
-    type Output = ();
-
+/// How a format has work done.
+pub trait Wide: Sized {
+    /// Does work in such numbers: those of many lanes choose the widest registers at hand.
     #[inline(always)]
-    fn run(self) {
-        self.joint.micro_step_here(self.state, self.input);
+    fn widely<W: Work>(work: W) -> W::Output {
+        work.run()
     }
 }
 
-/// What effects remember, half a micro-step on.
-pub(crate) struct Remember<'a, S: Scalar, const N: usize, E> {
-    pub(crate) joint: &'a Joint<S, N, E>,
-    pub(crate) state: &'a mut State<S, N>,
+impl Wide for f32 {}
+impl Wide for f64 {}
+
+/// Does a block as [`Work`] in numbers of the type that is named first; for what is a function of its own.
+macro_rules! widely {
+    (
+        <$number:ident $(, $n:ident, $effects:ident)?>
+        ($($name:ident: $type:ty = $value:expr),+ $(,)?) -> $answer:ty $body:block
+    ) => {{
+        struct Whole<
+            'a,
+            $number: $crate::scalar::Scalar,
+            $(const $n: usize, $effects: $crate::effect::Effects<$number>,)?
+        > {
+            $($name: $type,)+
+            lifetime: core::marker::PhantomData<&'a $number>,
+        }
+        impl<
+            'a,
+            $number: $crate::scalar::Scalar,
+            $(const $n: usize, $effects: $crate::effect::Effects<$number>,)?
+        > $crate::work::Work for Whole<'a, $number, $($n, $effects)?> {
+            type Output = $answer;
+            #[inline(always)]
+            fn run(self) -> $answer {
+                let Self { $($name,)+ .. } = self;
+                $body
+            }
+        }
+        $number::widely(Whole { $($name: $value,)+ lifetime: core::marker::PhantomData })
+    }};
 }
 
-impl<S: Scalar, const N: usize, E: Effects<S>> Work for Remember<'_, S, N, E> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.joint.remember_here(self.state);
-    }
-}
-
-/// What is kept beside one bristle, found anew.
-pub(crate) struct Settle<'a, S: Scalar> {
-    pub(crate) friction: &'a Friction<S>,
-    pub(crate) mass: &'a mut Mass<S>,
-    pub(crate) inverse_level: S,
-}
-
-impl<S: Scalar> Work for Settle<'_, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.friction.settle_here(self.mass, self.inverse_level);
-    }
-}
-
-/// One bristle's flow along a level that changes.
-pub(crate) struct FlowAlong<'a, S: Scalar> {
-    pub(crate) friction: &'a Friction<S>,
-    pub(crate) mass: &'a mut Mass<S>,
-    pub(crate) turn: Option<&'a Turn<S>>,
-    pub(crate) inverse_levels: Option<[S; 2]>,
-}
-
-impl<S: Scalar> Work for FlowAlong<'_, S> {
-    type Output = Half<S>;
-
-    #[inline(always)]
-    fn run(self) -> Half<S> {
-        self.friction.flow_along_here(self.mass, self.turn, self.inverse_levels)
-    }
-}
-
-/// What the state of a joint caches, computed anew.
-pub(crate) struct Refresh<'a, S: Scalar, const N: usize, E> {
-    pub(crate) joint: &'a Joint<S, N, E>,
-    pub(crate) state: &'a mut State<S, N>,
-}
-
-impl<S: Scalar, const N: usize, E: Effects<S>> Work for Refresh<'_, S, N, E> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.joint.refresh_here(self.state);
-    }
-}
+pub(crate) use widely;

@@ -4,9 +4,9 @@ use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::motor::back_emf::{of_phases, shape};
 use joint_core::motor::commutation::{SECTORS, from_hall, hall};
 use joint_core::motor::inverter::Amplifier;
-use joint_core::motor::six_step::{Command, SixStep, SixStepState};
 use joint_core::params::{Friction, Load, Motor, Table};
 use joint_core::scalar::Real;
+use joint_core::six_step::{Command, SixStep, SixStepState};
 use proptest::prelude::*;
 
 /// A 6 mm micromotor.

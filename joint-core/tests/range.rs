@@ -2,9 +2,9 @@
 
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Settings};
+use joint_core::number::Number;
 use joint_core::params::{Friction, Load, Motor, Stage, Table};
 use joint_core::range::largest_drive;
-use joint_core::scalar::Scalar;
 
 const LOAD_NM: f64 = 0.01;
 

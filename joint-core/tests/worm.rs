@@ -1,9 +1,9 @@
 //! A worm stage, driven by its worm and by its wheel.
 
 use joint_core::effect::EffectSet;
+use joint_core::effect::worm::{back_efficiency, efficiency};
 use joint_core::joint::{Drive, Joint, Settings, State};
 use joint_core::params::{Friction, Load, Motor, Reason, Stage};
-use joint_core::worm::{back_efficiency, efficiency};
 
 const COULOMB: f64 = 1e-3;
 const VISCOUS: f64 = 5e-4;

@@ -16,7 +16,9 @@ mod on_board {
     use firmware::assumed::{MOTOR, STAGES, friction, stage};
     use firmware::board::{self, InstructionCounter};
     use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind};
+    use joint_core::friction::Stribeck;
     use joint_core::joint::{Drive, Joint, Method, Settings};
+    use joint_core::number::Number;
     use joint_core::params::{Load, Location, Stage};
     use joint_core::scalar::{Real, Scalar};
     use micromath::F32Ext;

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use joint_core::scalar::Scalar;
+use joint_core::number::Number;
 use joint_core::work::Work;
 use rayon::prelude::*;
 
@@ -100,8 +100,7 @@ pub(super) fn innovations(observers: &[Observer<'_>], gains: &Gains) -> Vec<Rows
 /// The plants of observers side by side; `None` where they are not alike after all.
 fn abreast(observers: &[Observer<'_>]) -> Option<Box<dyn Abreast>> {
     let first = observers.first()?;
-    let constants: Option<Vec<_>> = observers.iter().map(|own| own.plant.constants()).collect();
-    let constants = constants?;
+    let constants: Vec<_> = observers.iter().map(|own| own.plant.constants()).collect();
     first.plant.abreast(&constants.iter().collect::<Vec<_>>())
 }
 

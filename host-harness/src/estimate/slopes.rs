@@ -119,7 +119,7 @@ impl Problem<'_> {
         let constants = |steps: f64| {
             let mut moved = model.clone();
             coordinate.shift(&mut moved, steps * SHORT);
-            plant(&moved)?.constants()
+            Some(plant(&moved)?.constants())
         };
         let (Some(here), Some(one), Some(two)) = (plant(model), constants(1.0), constants(2.0))
         else {

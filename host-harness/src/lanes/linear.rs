@@ -4,12 +4,11 @@
 use std::f64::consts::TAU;
 
 use joint_core::angle::Angle;
-use joint_core::effect::{EffectSet, MEMORIES};
-use joint_core::joint::Joint;
-use joint_core::scalar::Scalar;
+use joint_core::effect::MEMORIES;
+use joint_core::number::Number;
 use joint_core::work::Work;
 
-use super::{Built, LANES, Lanes, Woven, constants};
+use super::{Built, Joints, LANES, Lanes, Woven};
 use crate::plant::{Layout, MAX_STAGES};
 use crate::wide;
 
@@ -29,11 +28,8 @@ pub trait Linear: Send + Sync {
 }
 
 /// The derivatives of joints.
-pub(crate) fn linear<const N: usize>(
-    joints: &[Joint<f64, N, EffectSet<f64>>],
-    serves: &[u32],
-) -> Box<dyn Linear> {
-    let own = constants(joints).and_then(|own| Built::<N>::new(&[&own], serves));
+pub(crate) fn linear<const N: usize>(joints: &Joints<N>, serves: &[u32]) -> Box<dyn Linear> {
+    let own = Built::new(&[joints], serves);
     Box::new(own.expect("a joint's constants are those of a joint"))
 }
 

@@ -6,27 +6,33 @@
 //! numbers of several lanes ([`Lanes`]), through the same step as any other number takes, and with the
 //! same bits.
 
+mod alike;
 mod linear;
 mod number;
-mod weave;
 
+use std::any::Any;
 use std::f64::consts::TAU;
 
 use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES};
 use joint_core::joint::{Joint, Mass, StageState, State};
-use joint_core::scalar::Scalar;
+use joint_core::number::Number;
 use joint_core::work::Work;
 
 pub use linear::Linear;
 pub(crate) use linear::linear;
 pub use number::{LANES, Lanes};
 
+use alike::Alike;
+
 use crate::plant::Layout;
 use crate::wide;
 
-/// The constants of a plant's joints, one for each distinct interval, as they travel.
-pub type Constants = Vec<Vec<u8>>;
+/// The constants of a plant's joints, one for each distinct interval.
+pub struct Constants(Box<dyn Any + Send + Sync>);
+
+/// Joints in plain numbers.
+type Joints<const N: usize> = Vec<Joint<f64, N, EffectSet<f64>>>;
 
 /// Plants side by side.
 pub trait Abreast: Send + Sync {
@@ -36,10 +42,8 @@ pub trait Abreast: Send + Sync {
 }
 
 /// The constants of joints, to be laid beside those of others.
-pub(crate) fn constants<const N: usize>(
-    joints: &[Joint<f64, N, EffectSet<f64>>],
-) -> Option<Constants> {
-    joints.iter().map(weave::constants).collect()
+pub(crate) fn constants<const N: usize>(joints: &Joints<N>) -> Constants {
+    Constants(Box::new(joints.clone()))
 }
 
 /// Joints side by side, by their constants, of which there is one at least and no more than lanes; `None`
@@ -48,18 +52,19 @@ pub(crate) fn abreast<const N: usize>(
     constants: &[&Constants],
     serves: &[u32],
 ) -> Option<Box<dyn Abreast>> {
-    Some(Box::new(Built::<N>::new(constants, serves)?))
+    let joints: Vec<&Joints<N>> =
+        constants.iter().map(|own| own.0.downcast_ref()).collect::<Option<_>>()?;
+    Some(Box::new(Built::new(&joints, serves)?))
 }
 
 /// Whether joints move smoothly to others, a step away and two.
-pub(crate) fn is_smooth<const N: usize>(
-    joints: &[Joint<f64, N, EffectSet<f64>>],
-    [one, two]: [&Constants; 2],
-) -> bool {
-    let Some(here) = constants(joints) else { return false };
-    here.len() == one.len().min(two.len())
-        && here.iter().zip(one).zip(two).all(|((here, one), two)| {
-            weave::is_smooth::<Joint<Lanes, N, EffectSet<Lanes>>>([here, one, two])
+pub(crate) fn is_smooth<const N: usize>(joints: &Joints<N>, [one, two]: [&Constants; 2]) -> bool {
+    let [Some(one), Some(two)] = [one, two].map(|own| own.0.downcast_ref::<Joints<N>>()) else {
+        return false;
+    };
+    joints.len() == one.len().min(two.len())
+        && joints.iter().zip(one).zip(two).all(|((here, one), two)| {
+            Alike::of([here, one, two]).is_some_and(|alike| alike.moves_smoothly())
         })
 }
 
@@ -69,14 +74,15 @@ struct Built<const N: usize> {
 }
 
 impl<const N: usize> Built<N> {
-    fn new(constants: &[&Constants], serves: &[u32]) -> Option<Self> {
-        let last = constants.last()?;
+    /// Of the joints of each plant; lanes that nobody asked for do as the last plant does.
+    fn new(plants: &[&Joints<N>], serves: &[u32]) -> Option<Self> {
+        let last = plants.last()?;
         let joints = (0..last.len())
             .map(|j| {
-                // Lanes that nobody asked for do as the last one does.
-                let lane = |lane: usize| Some(&**constants.get(lane).unwrap_or(last).get(j)?);
-                let lanes = (0..LANES).map(lane).collect::<Option<Vec<&[u8]>>>()?;
-                weave::woven(lanes).ok().map(Woven::new)
+                let own = |lane: usize| plants.get(lane).unwrap_or(last).get(j);
+                let own = (0..LANES).map(own).collect::<Option<Vec<_>>>()?;
+                let lanes: [_; LANES] = own.try_into().ok()?;
+                Some(Woven::new(Alike::of(lanes)?.side_by_side()))
             })
             .collect::<Option<_>>()?;
         Some(Self { joints, serves: serves.to_vec() })

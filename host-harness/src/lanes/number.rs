@@ -1,26 +1,26 @@
 //! Several numbers side by side: what joints are computed in that are run together.
 //!
 //! Every lane takes exactly the operations of an `f64`, so that a joint gives the same bits in a lane as
-//! alone; a processor takes four or eight of them at once, in the time of one.
+//! alone; a processor takes four or eight of them at once, in the time of one. They are an array, which
+//! [`crate::wide`] has compiled for the registers at hand: the vectors of `wide` are those that all
+//! processors have, and those of `pulp` ask every sum for a proof of the processor.
 
 use std::f64::consts::LOG2_E;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use joint_core::scalar::{Scalar, halved, halved_in_part};
-use joint_core::work::Work;
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
-use serde::ser::{Serialize, SerializeTupleStruct, Serializer};
+use joint_core::angle::Turns;
+use joint_core::friction::{Damped, Relaxation, Stribeck};
+use joint_core::gear::Deflection;
+use joint_core::number::{Elementary, Limits, Number, Sums, halved, halved_in_part};
+use joint_core::work::{Wide, Work};
 
 use crate::wide;
 
 /// Numbers side by side.
 pub const LANES: usize = 8;
 
-/// Name by which a reader of constants knows these from a plain number.
-pub(super) const NAME: &str = "Lanes";
-
 /// As many numbers as there are lanes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; LANES]);
 
@@ -87,21 +87,13 @@ impl Neg for Lanes {
     }
 }
 
-impl Scalar for Lanes {
+impl Number for Lanes {
     type Gain = Self;
     type Mask = Mask;
-    /// Whole numbers of turns: a float counts them exactly, and needs no registers of another kind.
-    type Whole = Self;
 
     const ZERO: Self = Self::all(f64::ZERO);
     const ONE: Self = Self::all(f64::ONE);
     const HALF: Self = Self::all(f64::HALF);
-    const SIXTH: Self = Self::all(f64::SIXTH);
-    const ELEVEN_TWELFTHS: Self = Self::all(f64::ELEVEN_TWELFTHS);
-    const REACH: f64 = f64::REACH;
-    const PER_REACH: Self = Self::all(f64::PER_REACH);
-    const RELAXING: [Self; 2] = [Self::all(f64::RELAXING[0]), Self::all(f64::RELAXING[1])];
-    const SQUARE: f64 = f64::SQUARE;
 
     fn gain(value: f64) -> Self {
         Self::all(value)
@@ -117,30 +109,17 @@ impl Scalar for Lanes {
     fn times(self, gain: Self) -> Self {
         self * gain
     }
-    fn from_small(value: u8) -> Self {
-        Self::all(f64::from(value))
+    #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        self.both(divisor, |a, b| a / b)
     }
     #[inline(always)]
     fn ratio(self, at_least_self: Self) -> Self {
         self.over(at_least_self)
     }
     #[inline(always)]
-    fn over(self, divisor: Self) -> Self {
-        self.both(divisor, |a, b| a / b)
-    }
-    #[inline(always)]
     fn abs(self) -> Self {
         self.each(f64::abs)
-    }
-    #[inline(always)]
-    fn exp_minus(self) -> Self {
-        let power = self.each(|own| LOG2_E * if own < 64.0 { own } else { 64.0 });
-        let whole = power.each(f64::trunc);
-        (power - whole).each(halved_in_part) * whole.each(halved)
-    }
-    #[inline(always)]
-    fn sin_turns(self) -> Self {
-        self.each(f64::sin_turns)
     }
     #[inline(always)]
     fn below(self, other: Self) -> Mask {
@@ -162,6 +141,34 @@ impl Scalar for Lanes {
     fn anywhere(mask: Mask) -> bool {
         mask.0.iter().fold(0, |any, lane| any | lane) != 0
     }
+}
+
+impl Sums for Lanes {}
+
+impl Limits for Lanes {
+    #[inline(always)]
+    fn is_at_limit(self) -> bool {
+        self.0.iter().any(|lane| !lane.is_finite())
+    }
+}
+
+impl Elementary for Lanes {
+    #[inline(always)]
+    fn exp_minus(self) -> Self {
+        let power = self.each(|own| LOG2_E * if own < 64.0 { own } else { 64.0 });
+        let whole = power.each(f64::trunc);
+        (power - whole).each(halved_in_part) * whole.each(halved)
+    }
+    #[inline(always)]
+    fn sin_turns(self) -> Self {
+        self.each(f64::sin_turns)
+    }
+}
+
+impl Turns for Lanes {
+    /// Whole numbers of turns: a float counts them exactly, and needs no registers of another kind.
+    type Whole = Self;
+
     fn whole(turns: i32) -> Self {
         Self::all(f64::from(turns))
     }
@@ -171,6 +178,9 @@ impl Scalar for Lanes {
     #[inline(always)]
     fn counted(whole: Self, more: Self) -> Self {
         whole + more
+    }
+    fn from_turn_counts(counts: i32) -> Self {
+        Self::all(f64::from_turn_counts(counts))
     }
     #[inline(always)]
     fn split_turns(self) -> (Self, Self) {
@@ -186,69 +196,40 @@ impl Scalar for Lanes {
     fn wide_turns(whole: Self, part: Self, ratio: Self) -> Self {
         (whole + part) * ratio
     }
-    fn from_turn_counts(counts: i32) -> Self {
-        Self::all(f64::from_turn_counts(counts))
-    }
+}
+
+impl Deflection for Lanes {}
+
+impl Stribeck for Lanes {
+    const SQUARE: f64 = f64::SQUARE;
+
     #[inline(always)]
     fn stribeck(self, beta: Self) -> (Self, Self) {
         let excess = beta * (Self::HALF * self).exp_minus();
         let level = Self::ONE + excess;
         (excess.over(level), level)
     }
-    #[inline(always)]
-    fn eighth(self) -> Self {
-        self.each(f64::eighth)
-    }
+}
+
+impl Relaxation for Lanes {
+    const REACH: f64 = f64::REACH;
+    const PER_REACH: Self = Self::all(f64::PER_REACH);
+    const RELAXING: [Self; 2] = [Self::all(f64::RELAXING[0]), Self::all(f64::RELAXING[1])];
+    const SIXTH: Self = Self::all(f64::SIXTH);
+    const ELEVEN_TWELFTHS: Self = Self::all(f64::ELEVEN_TWELFTHS);
+
     #[inline(always)]
     fn swing(self) -> Self {
         self.each(f64::swing)
     }
-    #[inline(always)]
-    fn per_square(self) -> Self {
-        self
-    }
-    #[inline(always)]
-    fn is_at_limit(self) -> bool {
-        self.0.iter().any(|lane| !lane.is_finite())
-    }
+}
+
+impl Damped for Lanes {}
+
+impl Wide for Lanes {
     #[inline(always)]
     fn widely<W: Work>(work: W) -> W::Output {
         wide::run(work)
-    }
-}
-
-impl Serialize for Lanes {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut parts = serializer.serialize_tuple_struct(NAME, LANES)?;
-        for lane in &self.0 {
-            parts.serialize_field(lane)?;
-        }
-        parts.end()
-    }
-}
-
-impl<'de> Deserialize<'de> for Lanes {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_tuple_struct(NAME, LANES, Parts)
-    }
-}
-
-struct Parts;
-
-impl<'de> Visitor<'de> for Parts {
-    type Value = Lanes;
-
-    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{LANES} numbers")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut parts: A) -> Result<Lanes, A::Error> {
-        let mut lanes = [0.0; LANES];
-        for (place, lane) in lanes.iter_mut().enumerate() {
-            let part: Option<f64> = parts.next_element()?;
-            *lane = part.ok_or_else(|| A::Error::invalid_length(place, &self))?;
-        }
-        Ok(Lanes(lanes))
     }
 }
 
@@ -281,16 +262,17 @@ mod tests {
         check!("difference", |x, y| x - y);
         check!("product", |x, y| -(x * y));
         check!("quotient", |x, y| x.over(y));
-        check!("magnitude", |x, y| Scalar::abs(x * y));
+        check!("magnitude", |x, y| Number::abs(x * y));
         check!("decay", |x, y| (x * x + y).exp_minus());
         check!("sine", |x, _y| x.sin_turns());
         check!("cosine", |x, _y| x.cos_turns());
-        check!("tangent", |x, y| Scalar::tanh(x * y));
+        check!("tangent", |x, y| Elementary::tanh(x * y));
         check!("curve", |x, y| (x * x).stribeck(y).1);
         check!("share", |x, y| (x * x).stribeck(y).0);
         check!("swing", |x, y| (x * y).swing());
         check!("thrice", |x, y| (x * y).thrice().eighth());
         check!("part", |x, y| (x + x).over(y).split_turns().1);
+        check!("kick", |x, y| x.kicked::<true>(y, x).risen(y, x));
         check!("bend", |x, y| y.relaxed(x, y, y));
         check!("sum kept", |x, y| x.plus(y, x).0);
         check!("along", |x, y| y.along(x));

@@ -3,7 +3,7 @@
 
 use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::motor::inverter::Amplifier;
-use joint_core::motor::six_step::Command;
+use joint_core::six_step::Command;
 
 use super::driven::six_step;
 use crate::model::Model;

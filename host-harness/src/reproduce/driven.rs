@@ -3,8 +3,8 @@
 
 use joint_core::effect::EffectSet;
 use joint_core::motor::inverter::Amplifier;
-use joint_core::motor::six_step::{Command, SixStep};
 use joint_core::params::ParameterError;
+use joint_core::six_step::{Command, SixStep};
 
 use super::scene::{Scene, read};
 use super::trace::{SAMPLE_S, Trace};

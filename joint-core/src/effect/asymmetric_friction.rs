@@ -6,6 +6,7 @@
 
 use super::hooks::{Effects, Memory, Rubbing};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -30,6 +31,8 @@ pub struct AsymmetricFriction<S: Scalar> {
     inverse_level: [S; 2],
     viscous: [S; 2],
 }
+
+batch!(AsymmetricFriction<Scalar>: inverse_level, viscous; mass);
 
 impl<S: Scalar> AsymmetricFriction<S> {
     /// From the values of [`SPEC`]; `reversed` where the mass turns against the motor.

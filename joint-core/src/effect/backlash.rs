@@ -6,6 +6,7 @@
 
 use super::hooks::{Effects, Felt};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::Angle;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -26,6 +27,8 @@ pub struct Backlash<S: Scalar> {
     stage: u8,
     half_width: S,
 }
+
+batch!(Backlash<Scalar>: half_width; stage);
 
 impl<S: Scalar> Backlash<S> {
     /// From the values of [`SPEC`]; `angle` is the unit of the stage's deflection in rad.

@@ -7,6 +7,7 @@
 
 use super::hooks::{Effects, Flow, Memory, Motion, Relaxation, Relaxations, Torque, keep};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -43,6 +44,8 @@ pub struct Coating<S: Scalar> {
     loop_slope: S::Gain,
     per_width: S::Gain,
 }
+
+batch!(Coating<Scalar>: linear, cubic, loop_height, slope, cubic_slope, loop_slope, per_width; mass, slot);
 
 impl<S: Scalar> Coating<S> {
     /// From the values of [`SPEC`], with the units of torque (Nm) and angle (rad) at the output,

@@ -7,6 +7,7 @@
 
 use super::hooks::{Effects, Memory, Motion, Torque};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -36,6 +37,8 @@ pub(super) struct Line<S: Scalar> {
     cosine: S,
     slope: S::Gain,
 }
+
+batch!(Line<Scalar>: order, sine, cosine, slope);
 
 impl<S: Scalar> Line<S> {
     /// `−amplitude · sin(order · q + phase)`; `angle` is the unit of the deflections in rad at
@@ -68,6 +71,8 @@ pub struct Cogging<S: Scalar> {
     first: Line<S>,
     second: Line<S>,
 }
+
+batch!(Cogging<Scalar>: first, second);
 
 impl<S: Scalar> Cogging<S> {
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad).

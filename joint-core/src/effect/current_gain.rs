@@ -7,6 +7,7 @@
 
 use super::hooks::Effects;
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -26,6 +27,8 @@ pub struct CurrentGain<S: Scalar> {
     shown: S::Gain,
     actual: S::Gain,
 }
+
+batch!(CurrentGain<Scalar>: shown, actual);
 
 impl<S: Scalar> CurrentGain<S> {
     /// From the values of [`SPEC`].

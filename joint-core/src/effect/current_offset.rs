@@ -5,6 +5,7 @@
 
 use super::hooks::Effects;
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -22,6 +23,8 @@ pub const SPEC: Spec = Spec {
 pub struct CurrentOffset<S: Scalar> {
     offset: S,
 }
+
+batch!(CurrentOffset<Scalar>: offset);
 
 impl<S: Scalar> CurrentOffset<S> {
     /// From the values of [`SPEC`] and the unit of current in A.

@@ -9,6 +9,7 @@
 
 use super::hooks::{Effects, Memory, Winding};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -32,6 +33,8 @@ pub struct DeadTime<S: Scalar> {
     softening: S,
     per_softening: S::Gain,
 }
+
+batch!(DeadTime<Scalar>: drop, softening, per_softening);
 
 impl<S: Scalar> DeadTime<S> {
     /// From the values of [`SPEC`], the winding's 2R in ohm and the unit of current in A.

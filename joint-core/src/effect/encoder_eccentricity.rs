@@ -5,6 +5,7 @@
 
 use super::hooks::Effects;
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -31,6 +32,8 @@ pub struct EncoderEccentricity<S: Scalar> {
     sine: S,
     cosine: S,
 }
+
+batch!(EncoderEccentricity<Scalar>: order, sine, cosine; output);
 
 impl<S: Scalar> EncoderEccentricity<S> {
     /// From the values of [`SPEC`].

@@ -6,6 +6,7 @@
 use super::cogging::Line;
 use super::hooks::{Effects, Memory, Motion, Torque};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -27,6 +28,8 @@ pub struct Gravity<S: Scalar> {
     mass: u8,
     line: Line<S>,
 }
+
+batch!(Gravity<Scalar>: line; mass);
 
 impl<S: Scalar> Gravity<S> {
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad) at the mass.

@@ -4,6 +4,7 @@
 
 use super::hooks::{Effects, Memory, Torque};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -28,6 +29,8 @@ pub struct HardeningStiffness<S: Scalar> {
     stage: u8,
     cubic: S::Gain,
 }
+
+batch!(HardeningStiffness<Scalar>: cubic; stage);
 
 impl<S: Scalar> HardeningStiffness<S> {
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad) at the

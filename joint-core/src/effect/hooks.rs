@@ -8,11 +8,7 @@
 use crate::angle::Angle;
 use crate::scalar::Scalar;
 
-/// Most effects of one joint that remember something.
-pub const MEMORIES: usize = 4;
-
-/// What effects remember: temperatures over their reference, bent shares of a hysteresis.
-pub type Memory<S> = [S; MEMORIES];
+pub use crate::state::{MEMORIES, Memory};
 
 /// The motion of one mass. The angle is the mass's own.
 #[derive(Clone, Copy, Debug)]

@@ -7,6 +7,7 @@
 
 use super::hooks::{Effects, Rubbing};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -26,6 +27,8 @@ pub struct LoadDependentFriction<S: Scalar> {
     mass: u8,
     per_torque: S::Gain,
 }
+
+batch!(LoadDependentFriction<Scalar>: per_torque; mass);
 
 impl<S: Scalar> LoadDependentFriction<S> {
     /// From the values of [`SPEC`], the mass's Coulomb level and the unit of torque there, both Nm.

@@ -6,6 +6,7 @@
 
 use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, keep};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -37,6 +38,8 @@ pub struct LubricantWarming<S: Scalar> {
     reach: S,
     least: S,
 }
+
+batch!(LubricantWarming<Scalar>: fall, per_speed, reach, least; mass, slot);
 
 impl<S: Scalar> LubricantWarming<S> {
     /// From the values of [`SPEC`], the unit of speed at the mass in rad/s and half a micro-step

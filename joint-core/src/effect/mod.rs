@@ -6,14 +6,15 @@
 //! implements [`Effects`], a row in the table below, and a line in [`Effect::new`].
 
 mod hooks;
+pub mod worm;
 
 pub use hooks::{
     Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Relaxations, Rubbing,
     Torque, Winding,
 };
-pub(crate) use set::mass_at;
 pub use set::{EffectSet, MAX_EFFECTS};
 
+use crate::batch::{Batch, Numbers};
 use crate::params::{Check, Location, ParameterError, Reason, Table};
 use crate::scalar::Scalar;
 
@@ -75,8 +76,8 @@ macro_rules! effects {
         #[non_exhaustive]
         pub enum Effect<S: Scalar> {
             $(#[doc = concat!("[`", stringify!($module), "`].")] $name($module::$name<S>),)+
-            /// The mesh of a worm stage, [`crate::worm`]: a law of the stage, not of an `[[effect]]`.
-            Worm($crate::worm::Worm<S>),
+            /// The mesh of a worm stage, [`worm`]: a law of the stage, not of an `[[effect]]`.
+            Worm(worm::Worm<S>),
         }
 
         $(impl<S: Scalar> From<$module::$name<S>> for Effect<S> {
@@ -84,6 +85,16 @@ macro_rules! effects {
                 Self::$name(law)
             }
         })+
+
+        impl<U: Scalar<Gain = U>> Batch<U> for Effect<f64> {
+            type Batched = Effect<U>;
+            fn batch(&self, numbers: &mut impl Numbers<U>) -> Effect<U> {
+                match self {
+                    $(Self::$name(law) => Effect::$name(law.batch(numbers)),)+
+                    Self::Worm(law) => Effect::Worm(law.batch(numbers)),
+                }
+            }
+        }
 
         /// Calls a hook of whatever law an [`Effect`] is.
         macro_rules! law {

@@ -6,6 +6,7 @@
 
 use super::hooks::{Effects, Rubbing};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::Ratio;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -32,6 +33,8 @@ pub struct PositionDependentFriction<S: Scalar> {
     sine: S,
     cosine: S,
 }
+
+batch!(PositionDependentFriction<Scalar>: order, sine, cosine; mass);
 
 impl<S: Scalar> PositionDependentFriction<S> {
     /// From the values of [`SPEC`].

@@ -4,6 +4,7 @@
 
 use super::hooks::Effects;
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -21,6 +22,8 @@ pub const SPEC: Spec = Spec {
 pub struct QuadraticDrag<S: Scalar> {
     coefficient: S,
 }
+
+batch!(QuadraticDrag<Scalar>: coefficient);
 
 impl<S: Scalar> QuadraticDrag<S> {
     /// From the values of [`SPEC`], the units of torque (Nm) and speed (rad/s).

@@ -6,6 +6,7 @@
 
 use super::hooks::Effects;
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::Angle;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -25,6 +26,8 @@ pub struct SensorDelay<S: Scalar> {
     output: bool,
     turns: S::Gain,
 }
+
+batch!(SensorDelay<Scalar>: turns; output);
 
 impl<S: Scalar> SensorDelay<S> {
     /// From the values of [`SPEC`]; `speed` is the unit of speed at the encoder's shaft, rad/s.

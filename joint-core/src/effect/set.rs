@@ -4,13 +4,14 @@
 use super::hooks::{
     Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxations, Rubbing, Torque, Winding,
 };
+use super::worm::Worm;
 use super::{Effect, EffectParameters, Kind};
 use crate::angle::Angle;
+use crate::batch::{Batch, Numbers};
 use crate::params::{Load, Location};
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
-use crate::work::Work;
-use crate::worm::Worm;
+use crate::work::widely;
 use heapless::Vec;
 
 /// Most effects one joint has.
@@ -148,6 +149,17 @@ impl<S: Scalar> From<Laws<S>> for EffectSet<S> {
     }
 }
 
+impl<U: Scalar<Gain = U>> Batch<U> for EffectSet<f64> {
+    type Batched = EffectSet<U>;
+    fn batch(&self, numbers: &mut impl Numbers<U>) -> EffectSet<U> {
+        let mut effects = Laws::new();
+        for effect in &self.effects {
+            effects.push(effect.batch(numbers)).ok();
+        }
+        EffectSet { effects, uses: self.uses }
+    }
+}
+
 impl<S: Scalar> From<EffectSet<S>> for Laws<S> {
     fn from(set: EffectSet<S>) -> Self {
         set.effects
@@ -194,23 +206,13 @@ macro_rules! asked {
         $set:ident, ($($name:ident: $type:ty),*) -> $answer:ty,
         $first:expr, |$so_far:ident, $law:ident| $next:expr
     ) => {{
-        struct Asked<'a, S: Scalar> {
-            effects: &'a [Effect<S>],
-            $($name: $type,)*
-        }
-        impl<'a, S: Scalar> Work for Asked<'a, S> {
-            type Output = $answer;
-            #[inline(always)]
-            fn run(self) -> $answer {
-                let Self { effects, $($name),* } = self;
-                let mut $so_far = $first;
-                for effect in effects {
-                    $so_far = law!(effect, $law => $next);
-                }
-                $so_far
+        widely!(<S>(effects: &'a [Effect<S>] = &$set.effects, $($name: $type = $name),*) -> $answer {
+            let mut $so_far = $first;
+            for effect in effects {
+                $so_far = law!(effect, $law => $next);
             }
-        }
-        S::widely(Asked { effects: &$set.effects, $($name),* })
+            $so_far
+        })
     }};
 }
 
@@ -338,20 +340,5 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
     fn relax(&self, flow: &Flow<'_, S>, all: &mut Relaxations<S>) {
         asked!(self, (flow: &'a Flow<'a, S>, all: &'a mut Relaxations<S>) -> (), (),
             |_none, law| law.relax(flow, all))
-    }
-}
-
-/// The place of an effect among the masses: its own number for the rotor and the stages, the last
-/// one for the output.
-pub(crate) fn mass_at(location: Location, stages: usize) -> Option<usize> {
-    match location {
-        Location::Stage(k) => {
-            let k = usize::from(k);
-            (k >= 1 && k <= stages).then_some(k)
-        }
-        Location::Output | Location::OutputEncoder => Some(stages),
-        Location::Motor | Location::Inverter | Location::CurrentSensor | Location::Encoder => {
-            Some(0)
-        }
     }
 }

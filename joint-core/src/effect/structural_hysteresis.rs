@@ -7,6 +7,7 @@
 
 use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, Torque, keep};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -32,6 +33,8 @@ pub struct StructuralHysteresis<S: Scalar> {
     slope: S::Gain,
     per_width: S::Gain,
 }
+
+batch!(StructuralHysteresis<Scalar>: amplitude, slope, per_width; stage, slot);
 
 impl<S: Scalar> StructuralHysteresis<S> {
     /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad) at the

@@ -6,6 +6,7 @@
 
 use super::hooks::{Effects, Memory, Winding};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -26,6 +27,8 @@ pub const SPEC: Spec = Spec {
 pub struct SupplySag<S: Scalar> {
     per_drive: S::Gain,
 }
+
+batch!(SupplySag<Scalar>: per_drive);
 
 impl<S: Scalar> SupplySag<S> {
     /// From the values of [`SPEC`], the winding's 2R in ohm and the unit of current in A.

@@ -6,6 +6,7 @@
 
 use super::hooks::{Constants, Effects};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -31,6 +32,8 @@ pub struct TorqueRipple<S: Scalar> {
     cosine: S,
     sine: S,
 }
+
+batch!(TorqueRipple<Scalar>: order, cosine, sine);
 
 impl<S: Scalar> TorqueRipple<S> {
     /// From the values of [`SPEC`].

@@ -5,6 +5,7 @@
 
 use super::hooks::{Constants, Effects};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::Angle;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -24,6 +25,8 @@ pub const SPEC: Spec = Spec {
 pub struct TorqueSaturation<S: Scalar> {
     per_current: S::Gain,
 }
+
+batch!(TorqueSaturation<Scalar>: per_current);
 
 impl<S: Scalar> TorqueSaturation<S> {
     /// From the values of [`SPEC`] and the unit of current in A.

@@ -6,6 +6,7 @@
 
 use super::hooks::{Effects, Felt};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -34,6 +35,8 @@ pub struct TransmissionError<S: Scalar> {
     cosine: S,
     leverage: S::Gain,
 }
+
+batch!(TransmissionError<Scalar>: order, sine, cosine, leverage; stage);
 
 impl<S: Scalar> TransmissionError<S> {
     /// From the values of [`SPEC`]; `angle` is the unit of the stage's deflection in rad at its

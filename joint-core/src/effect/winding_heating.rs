@@ -5,6 +5,7 @@
 
 use super::hooks::{Effects, Flow, Memory, Relaxation, Relaxations, Winding, keep};
 use super::{ParameterSpec, Spec};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -30,6 +31,8 @@ pub struct WindingHeating<S: Scalar> {
     per_current: S::Gain,
     reach: S,
 }
+
+batch!(WindingHeating<Scalar>: rise, per_current, reach; slot);
 
 impl<S: Scalar> WindingHeating<S> {
     /// From the values of [`SPEC`], the unit of current in A and half a micro-step in s.

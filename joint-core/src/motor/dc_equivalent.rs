@@ -5,17 +5,10 @@
 //! to 10⁶ times a second, so it is carried exactly at constant voltage and linearly changing speed;
 //! the rotor takes the impulse of that current, implicitly in its own new speed.
 
+use crate::batch::batch;
 use crate::params::Motor;
 use crate::scalar::Scalar;
-
-/// Which quantity the drive imposes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drive {
-    /// The voltage on the two conducting phases; the current follows.
-    Voltage,
-    /// The current itself, as in a drive in torque mode.
-    Current,
-}
+use crate::settings::Drive;
 
 /// Constants of one kick of the rotor and its winding, per-unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +34,8 @@ pub(crate) struct RotorKick<S: Scalar> {
     /// Current that a speed's back-EMF drives, at rest of the current.
     back_emf: S::Gain,
 }
+
+batch!(RotorKick<Scalar>: per_torque, per_excess, per_drive, induced, decay, approach, after, before, mean, back_emf);
 
 /// A change of the current over a kick.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +114,7 @@ impl<S: Scalar> RotorKick<S> {
         let settled = -self.induced_current((from + to) * S::HALF);
         Followed {
             mean: settled - settled.times(self.mean),
-            end: S::weighed([from, -to], [self.before, self.after]),
+            end: S::weighed([(from, self.before)], (to, self.after)),
         }
     }
 
@@ -144,16 +139,20 @@ impl<S: Scalar> RotorKick<S> {
     ) -> (S, S) {
         let excess = current - drive;
         let gained = S::weighed(
-            [force - damping.nearest(speed), excess, drive, -speed],
-            [self.per_torque, self.per_excess, self.per_drive, self.induced],
+            [
+                (force - damping.nearest(speed), self.per_torque),
+                (excess, self.per_excess),
+                (drive, self.per_drive),
+            ],
+            (speed, self.induced),
         );
-        let (gained, lost) = (gained.settled(), S::weighed([damping], [self.per_torque]));
+        let (gained, lost) = (gained.settled(), damping.weighed_alone(self.per_torque));
         let new = match WHICH {
             1 => speed.kicked::<true>(gained, lost),
             _ => speed.kicked::<false>(gained, lost),
         };
         let current =
-            drive.plus_weighed([excess, speed, -new], [self.decay, self.before, self.after]);
+            drive.plus_weighed([(excess, self.decay), (speed, self.before)], (new, self.after));
         (new, current)
     }
 }

@@ -127,7 +127,7 @@ impl<S: Real> CurrentLoop<S> {
 }
 
 /// Limited to ±1.
-pub(super) fn clamped<S: Real>(value: S) -> S {
+pub(crate) fn clamped<S: Real>(value: S) -> S {
     if value > S::ONE {
         S::ONE
     } else if value < -S::ONE {

@@ -3,15 +3,13 @@
 //!
 //! The step carries one current, equation (10); here is also what that stands for: three phases in
 //! star, (4)–(9), trapezoidal back-EMF, (5), a six-step table that follows from it, and an inverter
-//! with dead time and current feedback. [`six_step::SixStep`] puts them before a joint whose current
+//! with dead time and current feedback. [`SixStep`](crate::six_step::SixStep) puts them before a joint whose current
 //! is imposed, so that commutation and its ripple act on the same gear and friction.
 
 pub mod back_emf;
 pub mod commutation;
 mod dc_equivalent;
 pub mod inverter;
-pub mod six_step;
 pub mod three_phase;
 
-pub use dc_equivalent::Drive;
 pub(crate) use dc_equivalent::RotorKick;

@@ -242,7 +242,7 @@ fn stop<S: Real>(current: &mut [S; 3], phase: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scalar::Scalar;
+    use crate::number::Number;
 
     /// Equation (9) by small explicit steps, all phases driven, R = L = 1.
     fn printed(u: [f64; 3], e: [f64; 3], mut i: [f64; 2], duration: f64) -> [f64; 2] {

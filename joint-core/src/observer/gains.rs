@@ -4,11 +4,11 @@
 //! them ([`Design`]), and turned once into the joint's own units ([`Gains`]), which travel in the
 //! parameter block.
 
-use crate::motor::Drive;
 use crate::observer::turn::Geared;
 use crate::params::{Motor, Stage};
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
+use crate::settings::Drive;
 
 /// The measured channels: current, rotor angle, output angle.
 pub const CHANNELS: usize = 3;
@@ -51,7 +51,7 @@ impl Regime {
 /// sensor says of them is lost in what it says of the speeds that drive them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = "G: crate::scalar::Wire"))]
+#[cfg_attr(feature = "serde", serde(bound = "G: crate::number::Wire"))]
 pub struct Column<G, const N: usize> {
     /// Current, A.
     pub current: G,
@@ -89,7 +89,7 @@ impl<G: Copy, const N: usize> Column<G, N> {
 /// One value for every quantity of a stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = "G: crate::scalar::Wire"))]
+#[cfg_attr(feature = "serde", serde(bound = "G: crate::number::Wire"))]
 pub struct StageRow<G> {
     /// Deflection of its spring, rad.
     pub deflection: G,
@@ -100,7 +100,7 @@ pub struct StageRow<G> {
 /// One standard deviation of everything that is estimated, each at its own side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = "G: crate::scalar::Wire"))]
+#[cfg_attr(feature = "serde", serde(bound = "G: crate::number::Wire"))]
 pub struct Spread<G, const N: usize> {
     /// Rotor speed, rad/s.
     pub motor_velocity: G,

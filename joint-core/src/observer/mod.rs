@@ -53,7 +53,7 @@ pub struct Sample<S> {
 /// An observer of a joint of `N` stages with effects `E`: constants only.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = "E: crate::scalar::Wire"))]
+#[cfg_attr(feature = "serde", serde(bound = "E: crate::number::Wire"))]
 pub struct Observer<S: Real, const N: usize, E = ()> {
     /// The model.
     pub joint: Joint<S, N, E>,

@@ -11,56 +11,21 @@
 //! What it damps away is missing where friction sets such a swing off: as long as the splitting is
 //! stable, it is the better one, and [`crate::pace`] chooses it.
 
+use super::constants::{Joint, STAGE};
+use super::kick::OUTER;
 use crate::angle::Angle;
 use crate::effect::{Effects, Motion, Winding};
 use crate::friction::Friction;
-use crate::joint::{Input, Joint, Mass, State};
-use crate::motor::Drive;
-use crate::params::Motor;
 use crate::scalar::Scalar;
+use crate::state::{Input, Mass, State};
 
-/// Length of a stage over that of the micro-step.
-const STAGE: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+/// Whether this build has the implicit method.
+pub const IMPLICIT: bool = cfg!(feature = "implicit");
+
 /// (1 − γ)/γ: how far the second stage starts along the first one's change.
 const BEYOND: f64 = 1.0 + core::f64::consts::SQRT_2;
 /// Least pivot: the falling Stribeck curve may turn a mass's own negative.
 const LEAST_PIVOT: f64 = 0.25;
-
-/// What the method knows beside the constants of the splitting.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = ""))]
-pub(crate) struct Implicit<S: Scalar> {
-    /// Micro-steps in a step; zero where the joint takes the splitting.
-    pub(crate) micro_steps: u32,
-    /// γh/J of the rotor.
-    mobility: S::Gain,
-    /// Share of the way to its final value that the current makes in a stage.
-    followed: S,
-}
-
-impl<S: Scalar> Implicit<S> {
-    /// For micro-steps of `duration` seconds and a rotor of `inertia` kg m²; units are those at the
-    /// motor.
-    pub(crate) fn new(
-        motor: &Motor,
-        drive: Drive,
-        inertia: f64,
-        (micro_steps, duration): (u32, f64),
-        [torque, speed]: [f64; 2],
-    ) -> Self {
-        let stage = STAGE * duration;
-        let lag = match drive {
-            Drive::Voltage => motor.phase_inductance_h / motor.phase_resistance_ohm,
-            Drive::Current => 0.0,
-        };
-        Self {
-            micro_steps,
-            mobility: S::gain(stage / inertia * torque / speed),
-            followed: S::from_f64(stage / (lag + stage)),
-        }
-    }
-}
 
 /// One mass in Newton's equations, and what its friction does.
 #[derive(Clone, Copy, Default)]
@@ -111,7 +76,7 @@ impl<S: Scalar> Friction<S> {
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// [`Joint::step`] by this method.
     #[inline(never)]
-    pub(crate) fn step_implicitly(&self, state: &mut State<S, N>, input: Input<S>) {
+    pub(super) fn step_implicitly(&self, state: &mut State<S, N>, input: Input<S>) {
         for _ in 0..self.implicit.micro_steps.max(1) {
             self.implicit_micro_step(state, input);
         }
@@ -190,7 +155,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             rotor.held = rotor.held - torque.slope * per_angle;
         }
         let mut rows = [Row::default(); N];
-        let mobility = S::from_f64(STAGE / crate::joint::OUTER);
+        let mobility = S::from_f64(STAGE / OUTER);
         let (mut wound, mut input_angle, mut number) = (S::ZERO, angle, 0);
         let mut ahead = (&mut rotor, state.rotor.speed);
         let stages = state.stages.iter_mut().zip(&from.stages).zip(&self.stages);

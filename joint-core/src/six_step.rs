@@ -5,13 +5,13 @@
 //! its mean torque, (6), imposed on the joint as the current that would give it. Commutation ripple,
 //! freewheeling and dead time come out by themselves. Host and chip run the same code.
 
-use super::back_emf;
-use super::commutation::{self, Conduction};
-use super::inverter::{self, Amplifier, CurrentLoop, clamped};
-use super::three_phase::{Phases, advance};
 use crate::angle::Ratio;
 use crate::effect::Effects;
 use crate::joint::{Drive, Joint, Settings, State};
+use crate::motor::back_emf;
+use crate::motor::commutation::{self, Conduction};
+use crate::motor::inverter::{self, Amplifier, CurrentLoop, clamped};
+use crate::motor::three_phase::{Phases, advance};
 use crate::params::{Load, Motor, ParameterError, Stage};
 use crate::per_unit::Bases;
 use crate::scalar::Real;

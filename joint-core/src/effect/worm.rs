@@ -10,7 +10,8 @@
 //! Source: the screw's efficiency, as in every text on machine elements; μ is that of the flank over
 //! the cosine of the pressure angle.
 
-use crate::effect::{Effects, Rubbing};
+use super::hooks::{Effects, Rubbing};
+use crate::batch::batch;
 use crate::params::Stage;
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
@@ -26,6 +27,8 @@ pub struct Worm<S: Scalar> {
     driving: S::Gain,
     driven: S::Gain,
 }
+
+batch!(Worm<Scalar>: driving, driven; mass);
 
 impl<S: Scalar> Worm<S> {
     /// Of the worm that is this mass; `None` where the stage behind it is none.

@@ -4,17 +4,19 @@
 //! follows it with a lag. So a drift of such a joint asks for every level twice and lets the bristles flow
 //! along; a mass that no effect touches flows as ever.
 
+use super::constants::Joint;
+use super::drift::turn_of;
 use crate::angle::Angle;
 use crate::effect::{Effects, Rubbing};
-use crate::friction::Half;
-use crate::joint::{Joint, State};
+use crate::friction::{Friction, Half, Turn};
 use crate::scalar::Scalar;
-use crate::step::{Each, turn_of};
+use crate::state::{Each, Mass, State};
+use crate::work::widely;
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
-    /// [`Joint::half_drift`] where effects change friction levels on the way.
+    /// The half drift where effects change friction levels on the way.
     #[inline(always)]
-    pub(crate) fn half_drift_along(
+    pub(super) fn half_drift_along(
         &self,
         state: &mut State<S, N>,
         from: Angle<S>,
@@ -43,7 +45,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let after = self.levels(state, state.angle.ahead(turned.times(self.half_turn)));
         let levels = [before.0, after.0];
         let half = if self.effects.has_level(0) {
-            self.rotor.flow_along(&mut state.rotor, of_rotor.as_ref(), Some(levels))
+            flow_along(&self.rotor, &mut state.rotor, of_rotor.as_ref(), Some(levels))
         } else {
             self.rotor.flow_exactly(&mut state.rotor, of_rotor.as_ref())
         };
@@ -54,14 +56,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             stages.zip(levels).zip(&mut halves.masses)
         {
             let levels = self.effects.has_level(number).then_some([before, after]);
-            *half = own.friction.flow_along(&mut stage.mass, turn.as_ref(), levels);
+            *half = flow_along(&own.friction, &mut stage.mass, turn.as_ref(), levels);
         }
         halves
     }
 
     /// One over the effects' factor on every friction level.
     #[inline(always)]
-    pub(crate) fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
+    pub(super) fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
         let (mut rotor, mut levels) = (S::ONE, [S::ONE; N]);
         let mut wound = S::ZERO;
         let (speed, transmitted) = (state.rotor.speed, state.current);
@@ -102,4 +104,20 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         }
         (rotor, levels)
     }
+}
+
+/// [`Friction::flow_along`] as a function of its own: every mass calls the same one.
+#[inline(never)]
+fn flow_along<S: Scalar>(
+    friction: &Friction<S>,
+    mass: &mut Mass<S>,
+    turn: Option<&Turn<S>>,
+    inverse_levels: Option<[S; 2]>,
+) -> Half<S> {
+    widely!(<S>(
+        friction: &'a Friction<S> = friction,
+        mass: &'a mut Mass<S> = mass,
+        turn: Option<&'a Turn<S>> = turn,
+        inverse_levels: Option<[S; 2]> = inverse_levels,
+    ) -> Half<S> { friction.flow_along(mass, turn, inverse_levels) })
 }
