@@ -22,7 +22,8 @@ use ::fixed::types::{I0F32, I1F31, I2F30, I6F26, I12F20, I12F52, I16F16, I38F26,
 use crate::angle::{Turns, counted};
 use crate::friction::{Damped, Relaxation, Stribeck};
 use crate::gear::Deflection;
-use crate::number::{Elementary, Limits, Number, Sums, compared};
+use crate::motor::Sums;
+use crate::number::{Elementary, Limits, Number, compared};
 use crate::work::Wide;
 use lines::{EXPONENTIAL, RELAXATION};
 
@@ -333,19 +334,24 @@ impl Sums for Fixed {
         })
     }
     #[inline(always)]
-    fn weighed<const K: usize>(plus: [(Fixed, Gain); K], (minus, gain): (Fixed, Gain)) -> Fixed {
-        let products = plus.iter().map(|(value, gain)| gain.product(*value));
-        let sum = products.fold(0, i64::wrapping_add);
-        gain.summed(sum.wrapping_sub(gain.product(minus)))
-    }
-    #[inline(always)]
-    fn plus_weighed<const K: usize>(self, plus: [(Fixed, Gain); K], minus: (Fixed, Gain)) -> Fixed {
-        self + Self::weighed(plus, minus)
-    }
-    #[inline(always)]
-    fn weighed_alone(self, gain: Gain) -> Fixed {
+    fn weighed(self, gain: Gain) -> Fixed {
         gain.summed(gain.product(self))
     }
+    #[inline(always)]
+    fn gained(plus: [(Fixed, &Gain); 3], minus: (Fixed, &Gain)) -> Fixed {
+        minus.1.summed(difference(plus, minus))
+    }
+    #[inline(always)]
+    fn ended(self, plus: [(Fixed, &Gain); 2], minus: (Fixed, &Gain)) -> Fixed {
+        self + minus.1.summed(difference(plus, minus))
+    }
+}
+
+/// Exact sum of products less one.
+#[inline(always)]
+fn difference<const K: usize>(plus: [(Fixed, &Gain); K], minus: (Fixed, &Gain)) -> i64 {
+    let products = plus.iter().map(|(value, gain)| gain.product(*value));
+    products.fold(0, i64::wrapping_add).wrapping_sub(minus.1.product(minus.0))
 }
 
 impl Limits for Fixed {

@@ -114,7 +114,7 @@ impl<S: Scalar> RotorKick<S> {
         let settled = -self.induced_current((from + to) * S::HALF);
         Followed {
             mean: settled - settled.times(self.mean),
-            end: S::weighed([(from, self.before)], (to, self.after)),
+            end: from.weighed(self.before) - to.weighed(self.after),
         }
     }
 
@@ -138,21 +138,21 @@ impl<S: Scalar> RotorKick<S> {
         drive: S,
     ) -> (S, S) {
         let excess = current - drive;
-        let gained = S::weighed(
+        let gained = S::gained(
             [
-                (force - damping.nearest(speed), self.per_torque),
-                (excess, self.per_excess),
-                (drive, self.per_drive),
+                (force - damping.nearest(speed), &self.per_torque),
+                (excess, &self.per_excess),
+                (drive, &self.per_drive),
             ],
-            (speed, self.induced),
+            (speed, &self.induced),
         );
-        let (gained, lost) = (gained.settled(), damping.weighed_alone(self.per_torque));
+        let (gained, lost) = (gained.settled(), damping.weighed(self.per_torque));
         let new = match WHICH {
             1 => speed.kicked::<true>(gained, lost),
             _ => speed.kicked::<false>(gained, lost),
         };
         let current =
-            drive.plus_weighed([(excess, self.decay), (speed, self.before)], (new, self.after));
+            drive.ended([(excess, &self.decay), (speed, &self.before)], (new, &self.after));
         (new, current)
     }
 }

@@ -13,12 +13,10 @@
 mod elementary;
 mod floats;
 mod limits;
-mod sums;
 
 pub(crate) use elementary::horner;
 pub use elementary::{Elementary, halved, halved_in_part};
 pub use limits::Limits;
-pub use sums::Sums;
 
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
