@@ -538,7 +538,12 @@ impl Damped for Fixed {
     }
 }
 
-impl Wide for Fixed {}
+impl Wide for Fixed {
+    #[inline(always)]
+    fn again<T>(constants: &T) -> &T {
+        core::hint::black_box(constants)
+    }
+}
 
 /// A long number times a constant; not for the plain step.
 fn scaled(value: i64, gain: Gain) -> i128 {
