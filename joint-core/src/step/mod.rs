@@ -73,6 +73,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         // The load may change before the next micro-step.
         let kept = state.last().force;
         joint.load(state, input);
+        let joint = S::again(joint);
         joint.kick::<2>(state, input, state.angle, &began);
         state.last().force = kept;
     }
