@@ -13,6 +13,7 @@ pub mod grid;
 pub mod inputs;
 pub mod interrupt;
 pub mod lanes;
+pub mod layout;
 pub mod log;
 pub mod model;
 pub mod observe;

@@ -16,8 +16,7 @@ use crate::grid::Grid;
 use crate::lanes::{self, Abreast, Constants, Linear};
 use crate::model::Model;
 
-/// Most stages a model has.
-pub const MAX_STAGES: usize = 6;
+pub use crate::layout::{Layout, MAX_STAGES};
 
 /// Which number the joint is computed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,58 +104,6 @@ pub trait Plant: Send + Sync {
     fn linear(&self) -> Box<dyn Linear>;
     /// Whether its constants move smoothly to those a step away and two.
     fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool;
-}
-
-/// Where each quantity stands in a plant's state vector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layout {
-    /// Number of stages.
-    pub stages: usize,
-    /// Number of effects that remember something.
-    pub memories: usize,
-}
-
-impl Layout {
-    /// Of a model.
-    pub fn of(model: &Model) -> Self {
-        let remembering = model.effects.iter().filter(|effect| effect.kind.remembers());
-        Self { stages: model.stages.len(), memories: remembering.count() }
-    }
-
-    /// Current, A.
-    pub const CURRENT: usize = 0;
-    /// Rotor angle, rad.
-    pub const ANGLE: usize = 1;
-
-    /// Length of the vector.
-    pub const fn len(self) -> usize {
-        4 + 3 * self.stages + self.memories
-    }
-
-    /// Always false: there is a rotor.
-    pub const fn is_empty(self) -> bool {
-        false
-    }
-
-    /// Deflection of a stage's spring, stages from 0.
-    pub const fn deflection(self, stage: usize) -> usize {
-        2 + stage
-    }
-
-    /// Speed of a mass, 0 at the rotor.
-    pub const fn speed(self, mass: usize) -> usize {
-        2 + self.stages + mass
-    }
-
-    /// Bristle of a mass.
-    pub const fn bristle(self, mass: usize) -> usize {
-        3 + 2 * self.stages + mass
-    }
-
-    /// What an effect remembers, in the order of the model's effects that do.
-    pub const fn memory(self, slot: usize) -> usize {
-        4 + 3 * self.stages + slot
-    }
 }
 
 struct Built<S: Scalar, const N: usize> {

@@ -9,7 +9,7 @@ use joint_core::number::Number;
 use joint_core::work::Work;
 
 use super::{Built, Joints, LANES, Lanes, Woven};
-use crate::plant::{Layout, MAX_STAGES};
+use crate::layout::{Layout, MAX_STAGES};
 use crate::wide;
 
 /// A plant's derivatives with its own state.

@@ -25,7 +25,7 @@ pub use number::{LANES, Lanes};
 
 use alike::Alike;
 
-use crate::plant::Layout;
+use crate::layout::Layout;
 use crate::wide;
 
 /// The constants of a plant's joints, one for each distinct interval.

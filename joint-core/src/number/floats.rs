@@ -13,12 +13,15 @@ macro_rules! float {
             const ONE: $float = 1.0;
             const HALF: $float = 0.5;
 
+            #[inline]
             fn gain(value: f64) -> $float {
                 value as $float
             }
+            #[inline]
             fn from_f64(value: f64) -> $float {
                 value as $float
             }
+            #[inline]
             fn to_f64(self) -> f64 {
                 f64::from(self)
             }
