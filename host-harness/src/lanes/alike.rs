@@ -12,19 +12,22 @@ use super::number::{LANES, Lanes};
 const SMOOTH: f64 = 1e-3;
 const ROUNDING: f64 = 1e-14;
 
+/// A joint in plain numbers.
+type Plain<const N: usize> = Joint<f64, N, EffectSet<f64>>;
+
 /// Some joints with the same laws at the same places, and the numbers of each in the same order.
 pub(super) struct Alike<'a, const N: usize, const L: usize> {
-    first: &'a Joint<f64, N, EffectSet<f64>>,
+    first: &'a Plain<N>,
     numbers: [Vec<f64>; L],
 }
 
 impl<'a, const N: usize, const L: usize> Alike<'a, N, L> {
     /// `None` where the joints differ by more than their numbers.
-    pub(super) fn of(joints: [&'a Joint<f64, N, EffectSet<f64>>; L]) -> Option<Self> {
+    pub(super) fn of(joints: [&'a Plain<N>; L]) -> Option<Self> {
         let first = *joints.first()?;
         let numbers = joints.map(|joint| {
             let mut list = List(Vec::new());
-            let _same: Joint<f64, N, EffectSet<f64>> = joint.batch(&mut list);
+            let _same: Plain<N> = joint.batch(&mut list);
             list.0
         });
         let alike = joints.iter().zip(&numbers).all(|(joint, own)| {
@@ -95,5 +98,72 @@ impl Numbers<Lanes> for Columns<'_> {
     fn exact(&mut self, own: f64) -> f64 {
         self.next += 1;
         own
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::joint::{Drive, Settings};
+    use joint_core::params::{Friction, Load, Location, Motor};
+
+    use joint_core::number::Number;
+
+    use super::*;
+
+    fn joint(resistance: f64, micro_steps: u32, effects: &[EffectParameters]) -> Plain<0> {
+        let motor = Motor {
+            phase_resistance_ohm: resistance,
+            phase_inductance_h: 0.8e-3,
+            torque_constant_nm_per_a: 0.11,
+            rotor_inertia_kg_m2: 1.1e-4,
+            friction: Friction {
+                sigma0_nm_per_rad: 15.0,
+                coulomb_nm: 0.006,
+                ..Friction::default()
+            },
+            ..Motor::default()
+        };
+        let settings = Settings {
+            micro_steps: Some(micro_steps),
+            effects,
+            ..Settings::new(Drive::Voltage, 5e-5)
+        };
+        Plain::<0>::new(&motor, &[], &Load::default(), &settings).unwrap()
+    }
+
+    #[test]
+    fn joints_that_differ_by_more_than_their_numbers_are_not_alike() {
+        let effect = |kind| [EffectParameters::new(kind, Location::Motor).with("order", 7.0)];
+        let [cogging, ripple] = [Kind::Cogging, Kind::TorqueRipple].map(effect);
+        let plain = joint(2.8, 1, &[]);
+        assert!(Alike::of([&plain, &joint(3.1, 1, &[])]).is_some());
+        assert!(Alike::of([&plain, &joint(2.8, 2, &[])]).is_none());
+        assert!(Alike::of([&plain, &joint(2.8, 1, &cogging)]).is_none());
+        assert!(Alike::of([&joint(2.8, 1, &ripple), &joint(2.8, 1, &cogging)]).is_none());
+    }
+
+    #[test]
+    fn numbers_that_leap_between_one_step_and_two_do_not_move_smoothly() {
+        let smooth = |two: f64| {
+            let joints = [2.8, 2.8 + 1e-7, two].map(|resistance| joint(resistance, 1, &[]));
+            Alike::of(joints.each_ref()).unwrap().moves_smoothly()
+        };
+        assert!(smooth(2.8 + 2e-7));
+        assert!(!smooth(2.8 + 3e-7));
+    }
+
+    #[test]
+    fn a_joint_of_lanes_steps_each_as_it_would_alone() {
+        let joints: [Plain<0>; LANES] = std::array::from_fn(|k| joint(2.8 + k as f64, 1, &[]));
+        let abreast = Alike::of(joints.each_ref()).unwrap().side_by_side();
+        let mut state = abreast.rest();
+        abreast.step(&mut state, abreast.input(Lanes::all(1.0), Lanes::ZERO));
+        for (joint, speed) in joints.iter().zip(abreast.speed(&state, 0).0) {
+            let mut alone = joint.rest();
+            joint.step(&mut alone, joint.input(1.0, 0.0));
+            assert_eq!(joint.speed(&alone, 0).to_bits(), speed.to_bits());
+            assert!(speed > 0.0);
+        }
     }
 }

@@ -23,7 +23,7 @@ pub use linear::Linear;
 pub(crate) use linear::linear;
 pub use number::{LANES, Lanes};
 
-use alike::Alike;
+use alike::{Alike, Plain};
 
 use crate::layout::Layout;
 use crate::wide;
@@ -32,7 +32,7 @@ use crate::wide;
 pub struct Constants(Box<dyn Any + Send + Sync>);
 
 /// Joints in plain numbers.
-type Joints<const N: usize> = Vec<Joint<f64, N, EffectSet<f64>>>;
+type Joints<const N: usize> = Vec<Plain<N>>;
 
 /// Plants side by side.
 pub trait Abreast: Send + Sync {

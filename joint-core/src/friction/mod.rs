@@ -114,7 +114,7 @@ impl<S: LuGre> Friction<S> {
     /// The Stribeck curve 1/ρ = g(v)/α0 = 1 + β exp(−(v/v0)²), equation (3), and how it bends.
     #[inline(always)]
     pub(crate) fn curve(&self, speed: S) -> Curve<S> {
-        Curve::at(speed.times(self.per_stribeck_velocity), self.beta)
+        Curve::at(speed.times(self.per_stribeck_velocity), &self.beta)
     }
 
     /// Puts the bristle at ζ. Its torque σ0 z + σ1 ż is kept as a tangent in the speed: what there is
@@ -139,7 +139,7 @@ impl<S: LuGre> Friction<S> {
     /// What the middle kick made of a speed from `before`, where the first half drift was `half`.
     #[inline(always)]
     pub(crate) fn turn(&self, mass: &mut Mass<S>, before: S, half: Half<S>) -> Turn<S> {
-        Turn::of(mass, before, half, self.corner, self.reversal)
+        Turn::of(mass, before, half, &self.corner, &self.reversal)
     }
 
     /// Friction torque σ0 z + σ1 ż + σ2 v as the mass was last found; not for the step.

@@ -30,23 +30,23 @@ pub(crate) struct Half<S> {
 impl<S: Relaxation> Turn<S> {
     /// What the middle kick made of a speed from `before`, where the first half was `half`; `corner` is
     /// the share of ζ per speed that passes standstill, `reversal` that of the speed behind standstill
-    /// that the damping takes per slipping.
+    /// that the damping takes per slipping: by reference, since what is loaded early is spilled.
     #[inline(always)]
     pub(super) fn of(
         mass: &mut Mass<S>,
         before: S,
         half: Half<S>,
-        corner: S::Gain,
-        reversal: S,
+        corner: &S::Gain,
+        reversal: &S,
     ) -> Self {
         let after = mass.speed;
         // Twice the speeds' mean and their distance, which is the larger only across standstill.
         let (mean, apart) = ((after + before).abs(), (after - before).abs());
-        let share = (apart * S::ELEVEN_TWELFTHS - mean).times(corner);
+        let share = (apart * S::ELEVEN_TWELFTHS - mean).times(*corner);
         let passed = mean.below(apart);
         let share = S::choose(passed, share, S::ZERO);
         let behind = S::choose(passed, after, S::ZERO);
-        mass.speed = after - behind * (reversal * mass.bristle.slipping);
+        mass.speed = after - behind * (*reversal * mass.bristle.slipping);
         Self { share, half }
     }
 
