@@ -44,9 +44,9 @@ pub struct Fixed(I6F26);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gain {
-    /// The bits of an [`I16F16`] where the power is zero.
+    /// Where the power is zero, the bits of an [`I16F16`]; in a sum ([`Sums`]) those of an [`I12F20`].
     mantissa: I1F31,
-    /// Up to 2³⁰; zero for a constant in steps of 2⁻¹⁶.
+    /// Up to 2³⁰; zero for a large constant.
     power: i32,
 }
 
@@ -319,8 +319,8 @@ impl Number for Fixed {
 }
 
 impl Sums for Fixed {
-    /// Of one exponent, so that no sum of products ends the range of 64 bits; constants of an eighth or
-    /// more together are in steps of 2⁻²⁰ and stop at 512.
+    /// Of one exponent, so that no sum of products leaves 64 bits; constants of an eighth or more together
+    /// are in steps of 2⁻²⁰ and stop at 512, which no motor comes near in one kick.
     fn gains<const K: usize>(values: [f64; K]) -> [Gain; K] {
         let whole = Self::gain(values.iter().map(|value| libm::fabs(*value)).sum());
         if whole.power == 0 {

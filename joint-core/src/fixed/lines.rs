@@ -27,53 +27,48 @@ impl<const WIDTH: u32> Lines<WIDTH> {
     }
 }
 
-const fn falling(points: [f64; LINES + 1], unit: f64) -> [u32; LINES] {
-    let (mut lines, mut k) = ([0; LINES], 0);
-    while k < LINES {
-        let fall = ((points[k] - points[k + 1]) * unit / 4096.0 + 0.5) as u32;
-        let start = (points[k] * unit) as u32;
-        lines[k] = ((start + (1 << 15) - fall) & !0xffff) + fall;
-        k += 1;
-    }
-    lines
-}
-
-/// Powers of a number below one.
-const fn powers(of: f64) -> [f64; LINES + 1] {
-    let (mut powers, mut k) = ([1.0; LINES + 1], 1);
-    while k <= LINES {
-        powers[k] = powers[k - 1] * of;
-        k += 1;
-    }
-    powers
+/// A line from `start` to `end`, given in units of one, as a word in units of 2^−`places`.
+const fn line(start: f64, end: f64, places: u32) -> u32 {
+    let unit = (1_u64 << places) as f64;
+    let fall = ((start - end) * unit / 4096.0 + 0.5) as u32;
+    (((start * unit) as u32 + (1 << 15) - fall) & !0xffff) + fall
 }
 
 const fn exponential() -> [u32; LINES] {
     /// exp(−1/16).
     const RATIO: f64 = 0.939_413_062_813_475_8;
-    falling(powers(RATIO), (1_u64 << 30) as f64)
+    let (mut lines, mut start) = ([0; LINES], 1.0);
+    let mut left: &mut [u32] = &mut lines;
+    while let [word, rest @ ..] = left {
+        let end = start * RATIO;
+        *word = line(start, end, 30);
+        (start, left) = (end, rest);
+    }
+    lines
 }
 
 const fn relaxation() -> [u32; LINES] {
     const WIDTH: f64 = (1 << 21) as f64 / UNIT as f64;
     /// exp(−1/32).
     const RATIO: f64 = 0.969_233_234_476_344_1;
-    let (mut points, mut k) = (powers(RATIO), LINES);
-    while k > 0 {
-        let x = k as f64 * WIDTH;
-        points[k] = (1.0 - points[k]) / x;
-        k -= 1;
+    let (mut lines, mut start, mut remaining, mut x) = ([0; LINES], 1.0, 1.0, 0.0);
+    let mut left: &mut [u32] = &mut lines;
+    while let [word, rest @ ..] = left {
+        x += WIDTH;
+        remaining *= RATIO;
+        // From the last line's end on, the bristle has relaxed.
+        let end = if rest.is_empty() { 1.0 / x } else { (1.0 - remaining) / x };
+        *word = line(start, end, 31);
+        (start, left) = (end, rest);
     }
-    // Beyond, the bristle has relaxed.
-    points[LINES] = 1.0 / (LINES as f64 * WIDTH);
-    falling(points, (1_u64 << 31) as f64)
+    lines
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fixed::Fixed;
-    use crate::scalar::Scalar;
+    use crate::number::Number;
 
     #[test]
     fn straight_lines_keep_their_stated_error() {
