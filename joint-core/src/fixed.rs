@@ -6,26 +6,35 @@
 //! ([`Gain`]), so ten decades of them cost no resolution. Products round to the nearest, which keeps
 //! a joint in stick where it is. Nothing here divides: reciprocals are found by Newton's iteration
 //! on a normalised mantissa, and no float is touched once the constants are built.
+//!
+//! Words, sums, limits, conversions and text are those of the crate `fixed`. Ours is what it has not:
+//! constants with an exponent of their own, remainders below the last place, closed flows; and the
+//! narrowing of its exact products, which its own would make dearer (`docs/step.md`).
 
-mod exponential;
+mod lines;
 
+use core::cmp::Ordering;
+use core::fmt;
 use core::ops::{Add, Mul, Neg, Sub};
+
+use ::fixed::types::{I0F32, I1F31, I2F30, I6F26, I12F20, I12F52, I16F16, I38F26, I102F26};
 
 use crate::angle::{Turns, counted};
 use crate::friction::{Damped, Relaxation, Stribeck};
 use crate::gear::Deflection;
+use crate::motor::Sums;
 use crate::number::{Elementary, Limits, Number, compared};
 use crate::work::Wide;
-use exponential::interpolated;
+use lines::{EXPONENTIAL, RELAXATION};
 
 /// Binary places of a state.
-const PLACES: u32 = 26;
-const UNIT: i32 = 1 << PLACES;
+const PLACES: u32 = I6F26::FRAC_NBITS;
+const UNIT: i32 = I6F26::ONE.to_bits();
 
 /// A number between −32 and 32 in steps of 2⁻²⁶, about 1.5e-8.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Fixed(i32);
+pub struct Fixed(I6F26);
 
 /// A constant below an eighth as a mantissa of 31 bits and a power of two, or a larger one, up to
 /// 32768, in steps of 2⁻¹⁶.
@@ -35,25 +44,46 @@ pub struct Fixed(i32);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gain {
-    mantissa: i32,
-    /// Up to 2³⁰; zero for a constant in steps of 2⁻¹⁶.
+    /// Where the power is zero, the bits of an [`I16F16`]; in a sum ([`Sums`]) those of an [`I12F20`].
+    mantissa: I1F31,
+    /// Up to 2³⁰; zero for a large constant.
     power: i32,
 }
 
 impl Fixed {
     /// The largest number; sums and products stop here.
-    pub const MAX: Fixed = Fixed(i32::MAX);
+    pub const MAX: Fixed = Fixed(I6F26::MAX);
     /// The smallest one.
-    pub const MIN: Fixed = Fixed(i32::MIN);
+    pub const MIN: Fixed = Fixed(I6F26::MIN);
 
     /// From its bits: a multiple of 2⁻²⁶.
+    #[inline(always)]
     pub const fn from_bits(bits: i32) -> Self {
-        Self(bits)
+        Self(I6F26::from_bits(bits))
     }
 
     /// Its bits.
+    #[inline(always)]
     pub const fn to_bits(self) -> i32 {
-        self.0
+        self.0.to_bits()
+    }
+}
+
+impl fmt::Display for Fixed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl From<I6F26> for Fixed {
+    fn from(word: I6F26) -> Self {
+        Self(word)
+    }
+}
+
+impl From<Fixed> for I6F26 {
+    fn from(number: Fixed) -> Self {
+        number.0
     }
 }
 
@@ -65,23 +95,39 @@ fn from_place<const PLACE: u32>(product: i64) -> i32 {
     (high << (32 - PLACE)) | ((product as u32) >> PLACE) as i32
 }
 
-/// The nearest 32-bit number.
-#[inline]
-fn narrow(wide: i64) -> i32 {
-    wide.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
-}
-
 /// Upper word of a product, to the nearest.
 #[inline(always)]
 fn nearest_upper(a: i32, b: i32) -> i32 {
     ((i64::from(a) * i64::from(b) + (1 << 31)) >> 32) as i32
 }
 
+/// Upper word of a product of 32-bit fractions, rounded down.
+#[inline(always)]
+fn upper(a: i32, b: i32) -> i32 {
+    ((i64::from(a) * i64::from(b)) >> 32) as i32
+}
+
+/// The nearest number of a format: a float beyond its ends stops there, and what is no number is zero.
+fn nearest_f64<F: ::fixed::traits::Fixed>(value: f64) -> F {
+    let end = match value.partial_cmp(&0.0) {
+        Some(Ordering::Less) => F::MIN,
+        Some(Ordering::Greater) => F::MAX,
+        _ => F::ZERO,
+    };
+    F::checked_from_num(value).unwrap_or(end)
+}
+
 impl Gain {
+    /// The mantissa's product: of 57 binary places, or of 42 where the constant is in steps of 2⁻¹⁶.
+    #[inline(always)]
+    fn product(self, of: Fixed) -> i64 {
+        of.0.wide_mul(self.mantissa).to_bits()
+    }
+
     /// The product in units of 2⁻⁵⁸; for constants below one.
     #[inline(always)]
     fn exactly(self, of: Fixed) -> i64 {
-        let product = i64::from(of.0) * i64::from(self.mantissa);
+        let product = self.product(of);
         if self.power == 0 {
             return product << 16;
         }
@@ -90,10 +136,16 @@ impl Gain {
     }
 }
 
-/// Upper word of a product of 32-bit fractions, rounded down.
-#[inline(always)]
-fn upper(a: i32, b: i32) -> i32 {
-    ((i64::from(a) * i64::from(b)) >> 32) as i32
+impl Gain {
+    /// A sum of products with constants of [`Sums::gains`], of which this is one, to the nearest number.
+    #[inline(always)]
+    fn summed(self, products: i64) -> Fixed {
+        if self.power == 0 {
+            return Fixed::from_bits(from_place::<20>(products.wrapping_add(1 << 19)));
+        }
+        let upper = (products.wrapping_add(1 << 31) >> 32) as i32;
+        Fixed::from_bits(nearest_upper(upper, self.power))
+    }
 }
 
 impl Add for Fixed {
@@ -116,7 +168,7 @@ impl Neg for Fixed {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(0_i32.saturating_sub(self.0))
+        Self(I6F26::ZERO.saturating_sub(self.0))
     }
 }
 
@@ -124,7 +176,7 @@ impl Mul for Fixed {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self(from_place::<PLACES>(i64::from(self.0) * i64::from(other.0)))
+        Self::from_bits(from_place::<PLACES>(self.product(other)))
     }
 }
 
@@ -134,7 +186,7 @@ impl Mul for Fixed {
 /// The line 48/17 − 32/17 D is within 1/17 of 1/D; each Newton step squares that.
 #[inline(always)]
 fn reciprocal<const STEPS: u32>(by: Fixed) -> (u32, i32) {
-    of_one_or_more::<STEPS>(if by.0 > UNIT / 64 { by.0 } else { UNIT / 64 })
+    of_one_or_more::<STEPS>(by.to_bits().max(UNIT / 64))
 }
 
 /// The same of bits that are above zero.
@@ -151,20 +203,29 @@ fn of_one_or_more<const STEPS: u32>(by: i32) -> (u32, i32) {
 }
 
 impl Fixed {
+    /// The exact product, in units of 2⁻⁵².
+    #[inline(always)]
+    fn product(self, other: Self) -> i64 {
+        let exact: I12F52 = self.0.wide_mul(other.0);
+        exact.to_bits()
+    }
+
     /// Quotient by a number of at least 1/64.
     #[inline]
     fn quotient(self, by: Self) -> Self {
         let (lead, r) = reciprocal::<3>(by);
         // 1/x is 2^(lead − 5) / D.
-        let product = i64::from(self.0) * i64::from(r);
-        Self(narrow((product + (1_i64 << (33 - lead))) >> (34 - lead)))
+        let product = i64::from(self.to_bits()) * i64::from(r);
+        let wide = (product + (1_i64 << (33 - lead))) >> (34 - lead);
+        Self(I6F26::saturating_from_num(I38F26::from_bits(wide)))
     }
 
-    /// Quotient of numbers above zero by one that is no smaller, to 2e-5 of itself.
+    /// One over a number of at least 1/32, a smaller one taken for that; to 2e-5 of itself.
     #[inline(always)]
-    fn share(self, of: Self) -> Self {
-        let (lead, r) = reciprocal::<2>(of);
-        Self(upper(self.0 << lead, r).saturating_add(2) >> 2)
+    fn inverse(self) -> Self {
+        let (lead, r) = of_one_or_more::<2>(self.to_bits().max(UNIT / 32));
+        // 1/x is 2^(lead − 5) / D.
+        Self::from_bits((r << 1) >> (9 - lead))
     }
 }
 
@@ -172,50 +233,56 @@ impl Number for Fixed {
     type Gain = Gain;
     compared!();
 
-    const ZERO: Fixed = Fixed(0);
-    const ONE: Fixed = Fixed(UNIT);
-    const HALF: Fixed = Fixed(UNIT / 2);
+    const ZERO: Fixed = Fixed(I6F26::ZERO);
+    const ONE: Fixed = Fixed(I6F26::ONE);
+    const HALF: Fixed = Fixed(I6F26::lit("0.5"));
 
     /// Beyond 32768 a constant stops; below 2⁻³³ it is zero.
     fn gain(value: f64) -> Gain {
         if libm::fabs(value) >= 0.125 {
-            return Gain { mantissa: libm::round(value * 65_536.0) as i32, power: 0 };
+            let large = nearest_f64::<I16F16>(value);
+            return Gain { mantissa: I1F31::from_bits(large.to_bits()), power: 0 };
         }
         let (fraction, exponent) = libm::frexp(value);
         let bits = 33 + exponent;
         if value == 0.0 || !value.is_finite() || bits < 0 {
             return Gain::default();
         }
-        // The fraction lies between ½ and 1; as one, it would be the next exponent's ½.
+        // The fraction lies between ½ and 1.
         let mantissa = libm::round(fraction * 2_147_483_648.0 * 2.0) as i64 / 2;
-        Gain { mantissa: narrow(mantissa), power: 1 << bits }
+        Gain {
+            mantissa: I1F31::from_bits(mantissa.min(i64::from(i32::MAX)) as i32),
+            power: 1 << bits,
+        }
     }
     fn from_f64(value: f64) -> Fixed {
-        Fixed(libm::round(value * f64::from(UNIT)) as i32)
+        Fixed(nearest_f64(value))
     }
     fn to_f64(self) -> f64 {
-        f64::from(self.0) / f64::from(UNIT)
+        f64::from(self.0)
     }
     #[inline(always)]
     fn times(self, gain: Gain) -> Fixed {
+        let product = gain.product(self);
         if gain.power == 0 {
-            return Fixed(from_place::<16>(i64::from(self.0) * i64::from(gain.mantissa)));
+            return Self::from_bits(from_place::<16>(product));
         }
-        Fixed(nearest_upper(upper(self.0, gain.mantissa), gain.power))
+        Self::from_bits(nearest_upper((product >> 32) as i32, gain.power))
     }
     #[inline(always)]
     fn times_nearest(self, gain: Gain) -> Fixed {
+        let product = gain.product(self);
         if gain.power == 0 {
-            let product = i64::from(self.0) * i64::from(gain.mantissa);
-            return Fixed(from_place::<16>(product + (1 << 15)));
+            return Self::from_bits(from_place::<16>(product + (1 << 15)));
         }
-        Fixed(nearest_upper(nearest_upper(self.0, gain.mantissa), gain.power))
+        Self::from_bits(nearest_upper(((product + (1 << 31)) >> 32) as i32, gain.power))
     }
     #[inline]
     fn ratio(self, at_least_self: Fixed) -> Fixed {
         // Both moved up as far as they go, so that a small divisor is as good as a large one.
-        let room = at_least_self.0.max(1).leading_zeros().saturating_sub(2);
-        Fixed(self.0 << room).quotient(Fixed(at_least_self.0 << room))
+        let room = at_least_self.to_bits().max(1).leading_zeros().saturating_sub(2);
+        let up = |number: Fixed| Self::from_bits(number.to_bits() << room);
+        up(self).quotient(up(at_least_self))
     }
     #[inline(always)]
     fn over(self, at_least_one: Fixed) -> Fixed {
@@ -223,12 +290,19 @@ impl Number for Fixed {
     }
     #[inline(always)]
     fn abs(self) -> Fixed {
-        Fixed(self.0.saturating_abs())
+        // Without a comparison, after which the compiler multiplies by what it then knows to be above zero
+        // in three instructions more.
+        let sign: I6F26 = self.0 >> 31;
+        Fixed((self.0 ^ sign).saturating_sub(sign))
+    }
+    /// The square as minus the product with minus itself, for the same reason.
+    #[inline(always)]
+    fn squared(self) -> Fixed {
+        -(self * -self)
     }
     #[inline(always)]
     fn nearest(self, other: Fixed) -> Fixed {
-        let product = i64::from(self.0) * i64::from(other.0) + i64::from(UNIT / 2);
-        Self(from_place::<PLACES>(product))
+        Self::from_bits(from_place::<PLACES>(self.product(other) + i64::from(UNIT / 2)))
     }
     #[inline(always)]
     fn half(self) -> Fixed {
@@ -240,8 +314,44 @@ impl Number for Fixed {
     }
     #[inline(always)]
     fn along(self, direction: Fixed) -> Fixed {
-        if direction.0 < 0 { -self } else { self }
+        if direction.0.is_negative() { -self } else { self }
     }
+}
+
+impl Sums for Fixed {
+    /// Of one exponent, so that no sum of products leaves 64 bits; constants of an eighth or more together
+    /// are in steps of 2⁻²⁰ and stop at 512, which no motor comes near in one kick.
+    fn gains<const K: usize>(values: [f64; K]) -> [Gain; K] {
+        let whole = Self::gain(values.iter().map(|value| libm::fabs(*value)).sum());
+        if whole.power == 0 {
+            let large = |value: f64| nearest_f64::<I12F20>(value.clamp(-512.0, 511.0)).to_bits();
+            return values.map(|value| Gain { mantissa: I1F31::from_bits(large(value)), power: 0 });
+        }
+        let unit = 18_446_744_073_709_551_616.0 / f64::from(whole.power);
+        values.map(|value| {
+            let mantissa = libm::round(value * unit) as i32;
+            Gain { mantissa: I1F31::from_bits(mantissa), power: whole.power }
+        })
+    }
+    #[inline(always)]
+    fn weighed(self, gain: Gain) -> Fixed {
+        gain.summed(gain.product(self))
+    }
+    #[inline(always)]
+    fn gained(plus: [(Fixed, &Gain); 3], minus: (Fixed, &Gain)) -> Fixed {
+        minus.1.summed(difference(plus, minus))
+    }
+    #[inline(always)]
+    fn ended(self, plus: [(Fixed, &Gain); 2], minus: (Fixed, &Gain)) -> Fixed {
+        self + minus.1.summed(difference(plus, minus))
+    }
+}
+
+/// Exact sum of products less one.
+#[inline(always)]
+fn difference<const K: usize>(plus: [(Fixed, &Gain); K], minus: (Fixed, &Gain)) -> i64 {
+    let products = plus.iter().map(|(value, gain)| gain.product(*value));
+    products.fold(0, i64::wrapping_add).wrapping_sub(minus.1.product(minus.0))
 }
 
 impl Limits for Fixed {
@@ -252,7 +362,7 @@ impl Limits for Fixed {
     /// A large constant's product stops up to 2¹⁶ steps before the last one.
     #[inline(always)]
     fn is_at_limit(self) -> bool {
-        const LIMIT: i32 = i32::MAX - (1 << 16);
+        const LIMIT: I6F26 = I6F26::from_bits(i32::MAX - (1 << 16));
         self.0 > LIMIT || self.0 < -LIMIT
     }
 }
@@ -261,9 +371,9 @@ impl Elementary for Fixed {
     /// `2^−p`, the whole part of `p` as a shift and a polynomial of fourth order for the rest.
     #[inline(always)]
     fn exp_minus(self) -> Fixed {
-        let capped = if self.0 < 20 * UNIT { self.0 } else { 20 * UNIT };
-        // Times log2(e), which is in units of 2⁻³⁰.
-        let power = upper(capped, 1_549_082_005) << 2;
+        let capped = self.to_bits().min(20 * UNIT);
+        // Times log2(e).
+        let power = upper(capped, I2F30::LOG2_E.to_bits()) << 2;
         let whole = (power >> PLACES) as u32;
         // In units of 2⁻³¹; coefficients in units of 2⁻³⁰.
         let part = (power & (UNIT - 1)) << (31 - PLACES);
@@ -272,18 +382,18 @@ impl Elementary for Fixed {
             sum = (upper(sum, part) << 1) + coefficient;
         }
         if whole > PLACES {
-            return Fixed(0);
+            return Self::ZERO;
         }
-        Fixed((sum + (8 << whole)) >> (whole + 4))
+        Self::from_bits((sum + (8 << whole)) >> (whole + 4))
     }
     #[inline(always)]
     fn sin_turns(self) -> Fixed {
         let p = self * (Fixed::HALF - self.abs());
         let a = p.abs();
         // A quarter of the coefficients of the f32 sine, in units of 2⁻²⁶.
-        let mut sum = Fixed(941_953_445);
+        let mut sum = Self::from_bits(941_953_445);
         for coefficient in [1_194_425_888, 843_383_602, 210_828_268] {
-            sum = sum * a + Fixed(coefficient);
+            sum = sum * a + Self::from_bits(coefficient);
         }
         let quarter = p * sum;
         quarter + quarter + quarter + quarter
@@ -295,12 +405,12 @@ impl Turns for Fixed {
 
     #[inline(always)]
     fn from_turn_counts(counts: i32) -> Fixed {
-        Fixed(counts >> (32 - PLACES))
+        Fixed(I6F26::wrapping_from_num(I0F32::from_bits(counts)))
     }
     #[inline(always)]
     fn split_turns(self) -> (i32, Fixed) {
-        let whole = (self.0 + (UNIT / 2)) >> PLACES;
-        (whole, Fixed(self.0 - (whole << PLACES)))
+        let whole = (self.to_bits() + UNIT / 2) >> PLACES;
+        (whole, Self::from_bits(self.to_bits() - (whole << PLACES)))
     }
     #[inline]
     fn summed(part: Fixed, lost: Fixed, turns: Fixed) -> (i32, Fixed, Fixed) {
@@ -311,12 +421,12 @@ impl Turns for Fixed {
     #[inline]
     fn turned(part: Fixed, lost: Fixed, speed: Fixed, gain: Gain) -> (i32, Fixed, Fixed) {
         let moved = gain.exactly(speed);
-        let sum = (i64::from(part.0) << 32) - i64::from(lost.0) + moved;
+        let sum = (i64::from(part.to_bits()) << 32) - i64::from(lost.to_bits()) + moved;
         // To the nearest part: the loss then is a signed word.
         let near = ((sum + (1 << 31)) >> 32) as i32;
         let lost = (i64::from(near) << 32) - sum;
-        let (whole, part) = Fixed(near).split_turns();
-        (whole, part, Fixed(lost as i32))
+        let (whole, part) = Self::from_bits(near).split_turns();
+        (whole, part, Self::from_bits(lost as i32))
     }
     fn lost_to_f64(self) -> f64 {
         self.to_f64() / 4_294_967_296.0
@@ -324,14 +434,13 @@ impl Turns for Fixed {
     #[inline]
     fn wrapped_turns(whole: i32, whole_ratio: Gain, part: Fixed, ratio: Gain) -> Fixed {
         let turns = (scaled(i64::from(whole) << PLACES, whole_ratio) as i64)
-            .wrapping_add(i64::from(part.times(ratio).0));
+            .wrapping_add(i64::from(part.times(ratio).to_bits()));
         let nearest = (turns + i64::from(UNIT / 2)) >> PLACES;
-        Fixed((turns - (nearest << PLACES)) as i32)
+        Self::from_bits((turns - (nearest << PLACES)) as i32)
     }
     fn wide_turns(whole: i32, part: Fixed, ratio: Gain) -> Fixed {
-        let turns = (i64::from(whole) << PLACES) + i64::from(part.0);
-        let moved = scaled(turns, ratio);
-        Fixed(moved.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32)
+        let turns = (i64::from(whole) << PLACES) + i64::from(part.to_bits());
+        Fixed(I6F26::saturating_from_num(I102F26::from_bits(scaled(turns, ratio))))
     }
 }
 
@@ -339,62 +448,57 @@ impl Deflection for Fixed {
     #[inline(always)]
     fn drifted(self, lost: Fixed, change: Fixed, gain: Gain) -> (Fixed, Fixed) {
         let moved = gain.exactly(change);
-        let (low, carry) = (lost.0 as u32).overflowing_add(moved as u32);
-        (self + Fixed((moved >> 32) as i32 + i32::from(carry)), Fixed(low as i32))
+        let (low, carry) = (lost.to_bits() as u32).overflowing_add(moved as u32);
+        let whole = (moved >> 32) as i32 + i32::from(carry);
+        (self + Self::from_bits(whole), Self::from_bits(low as i32))
     }
 }
 
 impl Stribeck for Fixed {
     const SQUARE: f64 = 1.0;
 
-    /// The exponential from a table of its values at eighths, with straight lines between: an error of
-    /// 5e-4 at most; zero from 16 on.
+    /// The exponential from a table with straight lines, to 5e-4. β stands between −0.96 and 7; a level
+    /// below 1/32 is taken for that.
     #[inline(always)]
     fn stribeck(self, beta: Fixed) -> (Fixed, Fixed) {
-        let excess = beta.nearest(interpolated(self.0));
-        let level = Fixed::ONE + excess;
-        (excess.share(level), level)
+        let decayed = EXPONENTIAL.at(self.to_bits()) as i32;
+        let excess = nearest_upper(beta.to_bits() << 2, decayed);
+        let level = Self::ONE + Self::from_bits(excess);
+        (Self::ONE - level.inverse(), level)
     }
 }
 
 impl Relaxation for Fixed {
     const REACH: f64 = 1.0;
-    const PER_REACH: Fixed = Fixed(UNIT);
-    const RELAXING: [Fixed; 2] = [Fixed(UNIT), Fixed(UNIT / 2)];
-    const SIXTH: Fixed = Fixed((UNIT + 3) / 6);
-    const ELEVEN_TWELFTHS: Fixed = Fixed(UNIT - (UNIT + 6) / 12);
+    const PER_REACH: Fixed = Self::ONE;
+    const RELAXING: [Fixed; 2] = [Self::ONE, Self::HALF];
+    const SIXTH: Fixed = Fixed(I6F26::lit("0.1666666667"));
+    const ELEVEN_TWELFTHS: Fixed = Fixed(I6F26::lit("0.9166666667"));
 
     #[inline(always)]
     fn reached(self, gain: Gain, lost: Fixed) -> (Fixed, Fixed) {
         let (reach, rest) = if gain.power == 0 {
-            let product = i64::from(self.0) * i64::from(gain.mantissa);
+            let product = gain.product(self);
             (from_place::<16>(product), (product as u32) << 16)
         } else {
             let moved = gain.exactly(self);
             ((moved >> 32) as i32, moved as u32)
         };
-        let (low, carry) = (lost.0 as u32).overflowing_add(rest);
-        (Fixed(reach.saturating_add(i32::from(carry))), Fixed(low as i32))
+        let (low, carry) = (lost.to_bits() as u32).overflowing_add(rest);
+        (Self::from_bits(reach.saturating_add(i32::from(carry))), Self::from_bits(low as i32))
     }
-    /// As a share of the way to the slip value, since the quotient's parts would leave the range. From
-    /// a reach of 4.5 on, where 1 % of the way is left, the bristle is there.
+    /// The exact flow, ζ + (1 − exp(−x)) (±level − ζ), as a share of the way to the slip value: the parts of
+    /// the quotient that floats take would leave the range. The share over the reach comes from a table
+    /// with straight lines, to 6e-5; beyond a reach of 8 the bristle is there.
     #[inline(always)]
     fn relaxed(self, reach: Fixed, rho: Fixed, level: Fixed) -> Fixed {
-        const LIMIT: i32 = 9 * (UNIT / 2);
-        const SIXTH_OF_WORD: i32 = 715_827_883;
-        let x = reach.abs().nearest(rho).0;
-        let x = if x < LIMIT { x } else { LIMIT };
-        // x + x² (½ + x/6): x in steps of 2⁻²⁸, the half and the square's half of 2⁻²⁸ and 2⁻²⁴.
-        let fine = x << 2;
-        let bent = upper(fine, (1 << 27) + upper(fine, SIXTH_OF_WORD));
-        let series = x + (upper(fine, bent << 4) << 2);
-        let (lead, r) = of_one_or_more::<2>(UNIT.saturating_add(series));
-        // In steps of 2⁻³⁰.
-        let share = upper(series << lead, r) << 2;
-        let share = if x < LIMIT { share } else { 1 << 30 };
-        let way = level.along(reach).0.saturating_sub(self.0).clamp(-8 * UNIT + 1, 8 * UNIT - 1);
+        let x = reach.abs().nearest(rho).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
+        let per_reach = RELAXATION.at(x);
+        // In steps of 2⁻²⁸.
+        let share = (u64::from((x as u32) << 3) * u64::from(per_reach)) >> 32;
+        let way = (level.along(reach) - self).to_bits().clamp(-8 * UNIT, 8 * UNIT - 1);
         // To the nearest: rounded down, a bristle in stick would creep.
-        self + Fixed(nearest_upper(way << 2, share))
+        self + Self::from_bits(nearest_upper(way << 2, (share as i32) << 2))
     }
     /// The sum of fixed point loses nothing.
     #[inline(always)]
@@ -409,23 +513,24 @@ impl Relaxation for Fixed {
     }
     #[inline(always)]
     fn swing(self) -> Fixed {
-        Fixed((self.0 + 8) >> 4)
+        Fixed(self.0.wrapping_add(I6F26::from_bits(8)) >> 4)
     }
 }
 
 impl Damped for Fixed {
     #[inline(always)]
     fn settled(self) -> Fixed {
-        Fixed(self.0 - self.0.signum())
+        let sign = |bits: i32| (bits as u32 >> 31) as i32;
+        let bits = self.to_bits();
+        Self::from_bits(bits + sign(bits) - sign(bits.wrapping_neg()))
     }
     /// By products with the share that is lost, in steps of 2⁻³²; a share stops at a half.
     #[inline(always)]
     fn kicked<const SQUARE: bool>(self, gained: Fixed, lost: Fixed) -> Fixed {
-        const LIMIT: i32 = UNIT / 2;
-        let half = lost.0.clamp(-2 * LIMIT + 2, 2 * LIMIT - 2) << 5;
-        let damped = nearest_upper(gained.0, half);
+        let half = lost.to_bits().clamp(-UNIT, UNIT - 1) << 5;
+        let damped = nearest_upper(gained.to_bits(), half);
         let back = if SQUARE { nearest_upper(damped, half) } else { 0 };
-        self + Fixed(gained.0.saturating_sub(damped - back))
+        self + (gained - Self::from_bits(damped - back))
     }
     #[inline(always)]
     fn risen(self, _began: Fixed, _lost: Fixed) -> Fixed {
@@ -433,11 +538,16 @@ impl Damped for Fixed {
     }
 }
 
-impl Wide for Fixed {}
+impl Wide for Fixed {
+    #[inline(always)]
+    fn again<T>(constants: &T) -> &T {
+        core::hint::black_box(constants)
+    }
+}
 
 /// A long number times a constant; not for the plain step.
 fn scaled(value: i64, gain: Gain) -> i128 {
-    let product = i128::from(value) * i128::from(gain.mantissa);
+    let product = i128::from(value) * i128::from(gain.mantissa.to_bits());
     if gain.power == 0 { product >> 16 } else { (product * i128::from(gain.power)) >> 64 }
 }
 

@@ -3,13 +3,14 @@
 use crate::angle::Turns;
 use crate::friction::{Damped, LuGre};
 use crate::gear::Deflection;
+use crate::motor::Sums;
 use crate::number::{Elementary, Limits};
 use crate::work::Wide;
 
 /// A number in which every law of the joint can be computed: a [`Number`](crate::number::Number), and
 /// what each law asks of it beside.
-pub trait Scalar: Limits + Elementary + Turns + Deflection + LuGre + Damped + Wide {}
-impl<T: Limits + Elementary + Turns + Deflection + LuGre + Damped + Wide> Scalar for T {}
+pub trait Scalar: Limits + Elementary + Sums + Turns + Deflection + LuGre + Damped + Wide {}
+impl<T: Limits + Elementary + Sums + Turns + Deflection + LuGre + Damped + Wide> Scalar for T {}
 
 /// One number that can be compared, and whose whole turns are a count: for what is not the step, and
 /// may take its way by the data.

@@ -19,6 +19,14 @@ pub trait Wide: Sized {
     fn widely<W: Work>(work: W) -> W::Output {
         work.run()
     }
+
+    /// The same constants, for a second use that is far from the first. A compiler reads them once and
+    /// keeps them; a format that has no registers to spare has them read again, since it would keep them
+    /// on the stack.
+    #[inline(always)]
+    fn again<T>(constants: &T) -> &T {
+        constants
+    }
 }
 
 impl Wide for f32 {}

@@ -18,7 +18,7 @@ const QEMU: &str = "qemu-system-arm";
 /// What the firmware is built for.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 const SOFT_TARGET: &str = "thumbv7em-none-eabi";
-const PROGRAMS: [&str; 5] = ["replay", "count", "hil", "observe", "prices"];
+const PROGRAMS: [&str; 6] = ["arithmetic", "replay", "count", "hil", "observe", "prices"];
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// An emulated board.

@@ -11,6 +11,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 use joint_core::angle::Turns;
 use joint_core::friction::{Damped, Relaxation, Stribeck};
 use joint_core::gear::Deflection;
+use joint_core::motor::Sums;
 use joint_core::number::{Elementary, Limits, Number, halved, halved_in_part};
 use joint_core::work::{Wide, Work};
 
@@ -142,6 +143,8 @@ impl Number for Lanes {
         mask.0.iter().fold(0, |any, lane| any | lane) != 0
     }
 }
+
+impl Sums for Lanes {}
 
 impl Limits for Lanes {
     #[inline(always)]

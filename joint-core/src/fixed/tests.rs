@@ -90,16 +90,36 @@ fn a_creep_far_below_the_last_place_of_an_angle_adds_up() {
 }
 
 #[test]
-fn a_bristle_relaxes_as_in_double_precision() {
-    for reach in sweep(-3.0, 3.0) {
+fn a_bristle_relaxes_by_the_exponential_of_its_reach() {
+    let to = Fixed::from_f64;
+    for reach in sweep(-9.9, 9.9) {
         for zeta in [-1.2, -0.3, 0.0, 0.8] {
-            let (rho, level) = (0.8, 1.25);
-            let exact = zeta.relaxed(reach * f64::REACH, rho, level);
-            let to = Fixed::from_f64;
+            let (rho, level) = (0.8_f64, 1.25_f64);
+            let target = level.copysign(reach);
+            let x = reach.abs() * rho;
+            let exact = target + (zeta - target) * (-x).exp();
             let found = to(zeta).relaxed(to(reach), to(rho), to(level)).to_f64();
-            assert!((found - exact).abs() < 3e-5, "{reach} {zeta}: {found} {exact}");
+            // The table's error of the share over the reach, times the reach and the way.
+            let bound = 6e-5 * x * (target - zeta).abs() + 3.0 * LAST;
+            assert!((found - exact).abs() < bound, "{reach} {zeta}: {found} {exact}");
         }
     }
-    let far = Fixed::from_f64(-0.5).relaxed(Fixed::from_f64(30.0), Fixed::ONE, Fixed::ONE);
-    assert!((far.to_f64() - 1.0).abs() < 0.02);
+    // Beyond a reach of 8 nothing is left of the way but that error.
+    let far = to(-0.5).relaxed(to(30.0), Fixed::ONE, Fixed::ONE);
+    assert!((far.to_f64() - 1.0).abs() < 6e-5 * 8.0 * 1.5, "{far}");
+}
+
+#[test]
+fn a_stribeck_curve_falls_and_rises_from_standstill() {
+    for beta in [-0.96, -0.7, -0.3, 0.0, 0.5, 2.0, 6.9] {
+        for square in sweep(0.0, 31.9) {
+            let (share, level) = Fixed::from_f64(square).stribeck(Fixed::from_f64(beta));
+            let exact = 1.0 + beta * (-0.5 * square).exp();
+            // The exponential's error, and the inverse's 2e-5 of itself.
+            let error = 5e-4 * beta.abs();
+            assert!((level.to_f64() - exact).abs() < error + LAST, "{beta} {square}: {level}");
+            let bound = error / (exact * (exact - error)) + 3e-5 / exact;
+            assert!((share.to_f64() - 1.0 + 1.0 / exact).abs() < bound, "{beta} {square}: {share}");
+        }
+    }
 }

@@ -67,7 +67,7 @@ impl<S: Stribeck> Curve<S> {
     /// At a speed over v0/√2, in the root of [`Stribeck::SQUARE`].
     #[inline(always)]
     pub(super) fn at(relative: S, beta: &S) -> Self {
-        let square = relative * relative;
+        let square = relative.squared();
         let (excess, level) = square.stribeck(*beta);
         let rho = S::ONE - excess;
         Self { level, rho, steepness: rho * excess * square }

@@ -70,15 +70,23 @@ impl<S: Scalar> RotorKick<S> {
             }
         };
         let effective = inertia + braking / 2.0;
+        let [per_torque, per_excess, per_drive, induced] = S::gains([
+            duration / effective * torque / speed,
+            constant * integral / effective * current / speed,
+            constant * duration / effective * current / speed,
+            braking / effective,
+        ]);
+        let [approach, electrical] = [1.0 - decay, speed / current];
+        let [decay, after, before] = S::gains([decay, after * electrical, before * electrical]);
         Self {
-            per_torque: S::gain(duration / effective * torque / speed),
-            per_excess: S::gain(constant * integral / effective * current / speed),
-            per_drive: S::gain(constant * duration / effective * current / speed),
-            induced: S::gain(braking / effective),
-            decay: S::gain(decay),
-            approach: S::from_f64(1.0 - decay),
-            after: S::gain(after * speed / current),
-            before: S::gain(before * speed / current),
+            per_torque,
+            per_excess,
+            per_drive,
+            induced,
+            decay,
+            approach: S::from_f64(approach),
+            after,
+            before,
             mean: S::gain(integral / duration),
             back_emf: S::gain(match drive {
                 Drive::Voltage => constant / resistance * speed / current,
@@ -106,7 +114,7 @@ impl<S: Scalar> RotorKick<S> {
         let settled = -self.induced_current((from + to) * S::HALF);
         Followed {
             mean: settled - settled.times(self.mean),
-            end: from.times(self.before) - to.times(self.after),
+            end: from.weighed(self.before) - to.weighed(self.after),
         }
     }
 
@@ -130,17 +138,21 @@ impl<S: Scalar> RotorKick<S> {
         drive: S,
     ) -> (S, S) {
         let excess = current - drive;
-        let gained = (force - damping.nearest(speed)).times_nearest(self.per_torque)
-            + excess.times(self.per_excess)
-            + drive.times(self.per_drive)
-            - speed.times(self.induced);
-        let (gained, lost) = (gained.settled(), damping.times(self.per_torque));
+        let gained = S::gained(
+            [
+                (force - damping.nearest(speed), &self.per_torque),
+                (excess, &self.per_excess),
+                (drive, &self.per_drive),
+            ],
+            (speed, &self.induced),
+        );
+        let (gained, lost) = (gained.settled(), damping.weighed(self.per_torque));
         let new = match WHICH {
             1 => speed.kicked::<true>(gained, lost),
             _ => speed.kicked::<false>(gained, lost),
         };
         let current =
-            drive + excess.times(self.decay) + speed.times(self.before) - new.times(self.after);
+            drive.ended([(excess, &self.decay), (speed, &self.before)], (new, &self.after));
         (new, current)
     }
 }

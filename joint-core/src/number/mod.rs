@@ -85,6 +85,11 @@ pub trait Number:
     /// Quotient by a positive number that the dividend does not exceed; not for the plain step.
     fn ratio(self, at_least_self: Self) -> Self;
 
+    /// Its square.
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self * self
+    }
     /// Half of it.
     #[inline(always)]
     fn half(self) -> Self {

@@ -57,22 +57,24 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let ahead = state.angle.ahead(first.rotor.times(self.half_turn));
         let halves = self.half_drift(state, state.angle, None);
         let gradient = self.forces(state, ahead);
-        self.load(state, input);
-        self.correct(state, &gradient);
-        if self.damped {
-            self.damp(state, &gradient);
+        let joint = S::again(self);
+        joint.load(state, input);
+        joint.correct(state, &gradient);
+        if joint.damped {
+            joint.damp(state, &gradient);
         }
-        self.kick::<1>(state, input, ahead, &began);
-        if self.damped {
-            self.damp_back(state, &gradient);
+        joint.kick::<1>(state, input, ahead, &began);
+        if joint.damped {
+            joint.damp_back(state, &gradient);
         }
-        self.half_drift(state, ahead, Some((&first, &halves)));
-        state.angle.turn(first.rotor + state.rotor.speed, self.half_turn);
-        self.forces(state, state.angle);
+        joint.half_drift(state, ahead, Some((&first, &halves)));
+        state.angle.turn(first.rotor + state.rotor.speed, joint.half_turn);
+        joint.forces(state, state.angle);
         // The load may change before the next micro-step.
         let kept = state.last().force;
-        self.load(state, input);
-        self.kick::<2>(state, input, state.angle, &began);
+        joint.load(state, input);
+        let joint = S::again(joint);
+        joint.kick::<2>(state, input, state.angle, &began);
         state.last().force = kept;
     }
 
