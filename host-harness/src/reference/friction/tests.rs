@@ -56,8 +56,7 @@ fn run(inertia: f64, family: Family, amperes: impl Fn(f64) -> f64, share: f64) -
     simulate(&rotor(inertia), &inputs, &options).unwrap()
 }
 
-/// Friction torque while a mass far too heavy to be slowed moves at `speed(t)`, given as a torque on
-/// it: here the rates are asked directly, so the torque is what slows it.
+/// Friction torque at a state, Nm: what slows a mass of this inertia.
 fn torque(equations: &Equations, state: &[f64], inertia: f64) -> f64 {
     let mut rate = vec![0.0; state.len()];
     equations.derivative(&Held::default(), state, &mut rate);
