@@ -11,7 +11,7 @@
 //! with z a deflection, rad, and T in Nm. Up to the breakaway deflection z_ba it is a spring, so
 //! that a torque below breakaway does not make the joint creep as LuGre's does. Source: Dupont,
 //! Hayward, Armstrong, Altpeter, "Single state elastoplastic friction models", IEEE Trans. Autom.
-//! Control 47 (2002), equations (6) to (10).
+//! Control 47 (2002).
 
 use std::f64::consts::PI;
 

@@ -10,8 +10,8 @@
 //! before sliding, and C, Nm/s, the lag of friction behind the speed in sliding. Shares
 //! α_i = 1/n; stiffnesses k_i fall linearly and sum to σ0, so that the joint is as stiff from rest
 //! as LuGre's. Source: Al-Bender, Lampaert, Swevers, "The generalized Maxwell-slip model: a novel
-//! model for friction simulation and compensation", IEEE Trans. Autom. Control 50 (2005), equations
-//! (9) to (11); the damping of the elements is their section III's, with one coefficient for all.
+//! model for friction simulation and compensation", IEEE Trans. Autom. Control 50 (2005), with one
+//! coefficient for the damping of all elements, as LuGre has it.
 //!
 //! States of a mass: F_i; one that is 1 where element i slides; and the integral of g, whose rate is
 //! how [`change`] knows the level.
