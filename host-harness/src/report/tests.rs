@@ -2,13 +2,13 @@ use std::collections::BTreeMap;
 
 use joint_core::effect::Kind;
 
-use super::text::escape;
 use super::{html, residuals_csv};
 use crate::demo::actuator;
 use crate::discover::candidates::card;
 use crate::discover::evidence::{Budget, FreeRun};
 use crate::discover::findings::*;
 use crate::discover::gate::Remainder;
+use crate::plot::text::escape;
 
 fn shape(height: f64) -> Shape {
     Shape {
