@@ -1,5 +1,6 @@
 //! From a model to the constants of its observer.
 
+use firmware::parameters::Sensing;
 use joint_core::joint::Drive;
 use joint_core::observer::{CHANNELS, Column, Design, Level, Regime, SETS, Spread, StageRow};
 use joint_core::per_unit::Bases;
@@ -84,7 +85,8 @@ impl Default for Tuning {
     }
 }
 
-/// One sigma of the sensors: A, rad, rad; infinite where the model has none.
+/// One sigma of the sensors: A, rad, rad; infinite where the model has none. A rotor encoder of unknown
+/// counts is the firmware's default.
 pub fn sensors(model: &Model) -> [f64; CHANNELS] {
     let count = |counts: f64| {
         if counts > 0.0 { std::f64::consts::TAU / counts / 12.0_f64.sqrt() } else { f64::INFINITY }
@@ -96,7 +98,21 @@ pub fn sensors(model: &Model) -> [f64; CHANNELS] {
     } else {
         count(sensor.output_encoder_counts_per_rev)
     };
-    [current, count(sensor.motor_encoder_counts_per_rev).min(1e3), output]
+    let motor = match sensor.motor_encoder_counts_per_rev {
+        counts if counts > 0.0 => counts,
+        _ => f64::from(Sensing::DEFAULT.motor_counts_per_turn),
+    };
+    [current, count(motor), output]
+}
+
+/// Noise on the drive, one sigma held over a sample, V or A: a share of the rated one, and of a current
+/// that is the input what its sensor adds.
+pub fn drive_noise(model: &Model, kind: Drive, rating: &Rating, share: f64) -> f64 {
+    let sensor = match kind {
+        Drive::Voltage => 0.0,
+        Drive::Current => model.sensor.current_noise_a,
+    };
+    sensor.hypot(share * rating.drive)
 }
 
 /// Torque at the motor that breaks the whole joint away, Nm.
@@ -137,8 +153,10 @@ pub fn gains<const N: usize>(
     rating: &Rating,
     tuning: &Tuning,
 ) -> Result<Design<N>, BuildError> {
-    let felt =
-        Felt { drive: tuning.drive * rating.drive, torque: tuning.torque * breakaway_nm(model) };
+    let felt = Felt {
+        drive: drive_noise(model, kind, rating, tuning.drive),
+        torque: tuning.torque * breakaway_nm(model),
+    };
     let sigma = sensors(model);
     let motion = Motion {
         truth: model,
@@ -169,7 +187,7 @@ fn assemble<const N: usize>(
     let held = settled(&linear.held, 3);
     let free: Vec<bool> = settled(&linear.held.iter().map(|h| !h).collect::<Vec<_>>(), 3);
     let uncertain = |speed: usize, output: bool| Uncertain {
-        drive: tuning.drive * rating.drive,
+        drive: drive_noise(model, kind, rating, tuning.drive),
         torque: tuning.torque * breakaway_nm(model),
         sensors: [
             if kind == Drive::Current { f64::INFINITY } else { all[0] },

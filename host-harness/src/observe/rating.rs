@@ -18,15 +18,21 @@ pub struct Rating {
 }
 
 impl Rating {
-    /// From the model alone: the voltage that shows all of it, and the load that a quarter of that
-    /// voltage holds at a standstill.
+    /// From the model alone: the voltage that shows all of it, or the current that it drives through a
+    /// winding at rest, and the load that a quarter of that holds at a standstill.
     pub fn of(model: &Model, kind: Drive) -> Self {
         let bases = Bases::si(&model.motor, &model.stages);
         let volts = amplitude_v(model);
-        let current = volts / bases.resistance.max(1e-9);
         let drive = match kind {
             Drive::Voltage => volts,
-            Drive::Current => current,
+            Drive::Current if bases.resistance > 0.0 => volts / bases.resistance,
+            // No winding to tell of a current: what moves the joint six times over, or, without
+            // friction, takes the rotor to 100 rad/s in a tenth of a second.
+            Drive::Current => {
+                let rotor = 1e3 * model.motor.rotor_inertia_kg_m2;
+                let torque = (6.0 * super::design::breakaway_nm(model)).max(rotor);
+                torque / model.motor.torque_constant_nm_per_a
+            }
         };
         let load_nm = Self::holds(model, kind, drive);
         Self { drive, load_nm, current_a: f64::INFINITY }
