@@ -192,9 +192,9 @@ impl Filter {
         let peak = load.iter().fold(1e-12_f64, |most, load| most.max(load.abs()));
         for k in 1..load.len() {
             let step = load[k] - load[k - 1];
-            let sudden = step.abs() > SUDDEN * peak;
-            slopes[k] = if sudden { slopes[k - 1] } else { step };
-            jumps[k] = if sudden { step - slopes[k] } else { 0.0 };
+            let jumped = step.abs() > JUMP * peak;
+            slopes[k] = if jumped { slopes[k - 1] } else { step };
+            jumps[k] = if jumped { step - slopes[k] } else { 0.0 };
         }
         let most = |stage: Option<usize>| {
             let Some(stage) = stage else { return f64::NAN };
@@ -255,7 +255,8 @@ impl Filter {
             if k >= from {
                 // The load of this very sample is not felt yet: the slope foretells it.
                 let ahead = bias[load] + bias[slope] + self.jumps[k];
-                let foretold = real[(load, load)] + 2.0 * real[(load, slope)] + real[(slope, slope)];
+                let foretold =
+                    real[(load, load)] + 2.0 * real[(load, slope)] + real[(slope, slope)];
                 sums[0] += foretold + ahead * ahead;
                 for (sum, stage) in [(1, Some(0)), (2, layout.stages.checked_sub(1))] {
                     if let Some(stage) = stage.filter(|stage| *stage < layout.stages) {
@@ -303,4 +304,4 @@ impl Filter {
 }
 
 /// Share of its peak from which on a change of the load in a step is a jump.
-const SUDDEN: f64 = 0.02;
+const JUMP: f64 = 0.02;

@@ -166,7 +166,7 @@ pub fn spread<const N: usize>(
                 if turning < TURNING * level {
                     put(1, off);
                 } else {
-                    turns[usize::from(Regime::sees(e.row))].push([off.abs(), turning]);
+                    turns[usize::from(Regime::has_output(e.row))].push([off.abs(), turning]);
                 }
                 put(2, found.output_angle - (state[Layout::ANGLE] - wound) * shaft);
                 put(3, e.output_velocity - state[layout.speed(N)] * shaft);
@@ -181,7 +181,7 @@ pub fn spread<const N: usize>(
     let blind = level / shaft.abs();
     let spread: [Spread<f64, N>; SETS] = std::array::from_fn(|row| {
         let of = |which: usize| deviation(&errors[which], row);
-        let held_blind = row % Regime::COUNT == Regime::Held as usize && !Regime::sees(row);
+        let held_blind = row % Regime::COUNT == Regime::Held as usize && !Regime::has_output(row);
         Spread {
             motor_velocity: of(0),
             total_friction: of(1),

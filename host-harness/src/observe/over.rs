@@ -63,10 +63,25 @@ impl Samples {
             rating.drive = drive;
             rating.load_nm = Rating::holds(model, self.kind, drive);
         }
+        let speed = self.speed();
+        if speed > 0.0 {
+            rating.speed = speed;
+        }
         match load_nm {
             Some(load_nm) => Ok(Rating { load_nm, ..rating }),
             None => self.shown::<N>(model, rating),
         }
+    }
+
+    /// The rotor speed that 98 % of the log stays below, rad/s.
+    fn speed(&self) -> f64 {
+        let pairs = self.seen.windows(2).zip(self.steps.iter().skip(1));
+        let speeds = pairs.map(|(pair, steps)| {
+            (pair[1].motor - pair[0].motor).abs() / (f64::from(*steps) * self.step_s)
+        });
+        let mut speeds: Vec<f64> = speeds.filter(|speed| speed.is_finite()).collect();
+        speeds.sort_by(f64::total_cmp);
+        speeds.get(speeds.len() * 98 / 100).copied().unwrap_or(0.0)
     }
 
     /// The largest load that the log shows: from one that friction holds upwards, as an observer

@@ -15,6 +15,8 @@ pub struct Rating {
     pub load_nm: f64,
     /// Where the current sensor ends, A.
     pub current_a: f64,
+    /// Largest rotor speed, rad/s: a drive in torque mode has no back-EMF to end a run.
+    pub speed: f64,
 }
 
 impl Rating {
@@ -35,7 +37,8 @@ impl Rating {
             }
         };
         let load_nm = Self::holds(model, kind, drive);
-        Self { drive, load_nm, current_a: f64::INFINITY }
+        let speed = volts / model.motor.torque_constant_nm_per_a;
+        Self { drive, load_nm, current_a: f64::INFINITY, speed }
     }
 
     /// What the friction of the whole joint holds at the output, Nm.

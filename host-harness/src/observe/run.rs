@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use joint_core::effect::EffectSet;
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Settings};
-use joint_core::observer::{Design, Estimate, Gains, Observer, Sample, Spread, Status, Track, Turn};
+use joint_core::observer::{
+    Design, Estimate, Gains, Observer, Sample, Spread, Status, Track, Turn,
+};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::Bases;
 use joint_core::scalar::Real;

@@ -110,10 +110,8 @@ fn bounds_of(
     output: bool,
 ) -> Result<Bounds, BuildError> {
     let (kind, step_s) = (samples.kind, samples.step_s);
-    let felt = Felt {
-        drive: drive_noise(model, kind, rating, 1e-3),
-        torque: 0.01 * breakaway_nm(model),
-    };
+    let felt =
+        Felt { drive: drive_noise(model, kind, rating, 1e-3), torque: 0.01 * breakaway_nm(model) };
     let made = Motion {
         truth: model,
         kind,

@@ -26,11 +26,8 @@ pub fn friction(model: &Model, state: &[f64]) -> f64 {
         let zeta = state[layout.bristle(mass)];
         let bell = (-(speed / own.stribeck_velocity_rad_per_s).powi(2)).exp();
         let level = own.coulomb_nm + own.stribeck_nm * bell;
-        let bending = if level > 0.0 {
-            1.0 - speed.signum() * zeta * own.coulomb_nm / level
-        } else {
-            1.0
-        };
+        let bending =
+            if level > 0.0 { 1.0 - speed.signum() * zeta * own.coulomb_nm / level } else { 1.0 };
         let torque = own.coulomb_nm * zeta
             + (own.sigma1_nm_s_per_rad * bending + own.sigma2_nm_s_per_rad) * speed;
         torque * shaft.abs()
