@@ -3,10 +3,10 @@
 //! A model says at most how many counts an encoder has. A log also shows interpolation errors, stamps
 //! that jitter and two encoders that do not agree, and an observer that takes its measurements for
 //! better than they are rejects them or follows their noise. White noise keeps its size under
-//! repeated differences, where a motion vanishes: that gives the noise of each encoder. What the
-//! innovations of the output encoder are above it is then counted as its noise (covariance matching:
-//! R. K. Mehra, "On the identification of variances and adaptive Kalman filtering", IEEE Trans.
-//! Autom. Control 15(2), 1970).
+//! repeated differences, where a motion vanishes: that gives the noise of each encoder. An
+//! output encoder whose innovations do not agree with that is taken for as good as the output's angle
+//! from the motor alone agrees with it (covariance matching: R. K. Mehra, "On the identification of
+//! variances and adaptive Kalman filtering", IEEE Trans. Autom. Control 15(2), 1970).
 
 use std::f64::consts::TAU;
 
@@ -25,8 +25,6 @@ const OF_DIFFERENCE: f64 = 15.874_507_866_387_544;
 const AGREES: f64 = 2.0;
 /// The same of the output's innovations, which hold what is uncertain of the load as well.
 const CONSISTENT: f64 = 3.0;
-/// Rounds of covariance matching.
-const ROUNDS: usize = 4;
 
 impl Samples {
     /// The model with its encoders as the log shows them, and for what an observer has to be designed;
@@ -56,13 +54,10 @@ impl Samples {
         if N == 0 || !self.seen.iter().any(|seen| seen.output.is_finite()) {
             return Ok((model, rating));
         }
-        for _ in 0..ROUNDS {
-            let [.., sigma] = sensors(&model);
-            let left = self.left::<N>(&model, &rating)?;
-            if left <= CONSISTENT * sigma {
-                break;
-            }
-            model.sensor.output_encoder_counts_per_rev = of_counts(left);
+        let [.., sigma] = sensors(&model);
+        if self.left::<N>(&model, &rating, self)? > CONSISTENT * sigma {
+            let left = self.left::<N>(&model, &rating, &self.motor_only())?;
+            model.sensor.output_encoder_counts_per_rev = of_counts(left.max(sigma));
             rating = self.rating::<N>(&model, load_nm)?;
         }
         Ok((model, rating))
@@ -87,11 +82,16 @@ impl Samples {
             .filter(|sigma| *sigma > 0.0)
     }
 
-    /// How far the output's estimate stays from its encoder, one sigma, rad.
-    fn left<const N: usize>(&self, model: &Model, rating: &Rating) -> Result<f64, BuildError> {
+    /// How far the output's estimate from such samples stays from its encoder, one sigma, rad.
+    fn left<const N: usize>(
+        &self,
+        model: &Model,
+        rating: &Rating,
+        given: &Samples,
+    ) -> Result<f64, BuildError> {
         let design = gains::<N>(model, self.kind, self.step_s, rating, &Tuning::default())?;
         let observer = observer::<f64, N>(model, self.kind, self.step_s, &design)?;
-        let found = run(&observer, &self.seen, &self.steps);
+        let found = run(&observer, &given.seen, &given.steps);
         let rows = found.iter().zip(&self.seen).skip(self.seen.len() / 20);
         let mut left: Vec<f64> = rows
             .map(|(found, seen)| (found.output_angle - seen.output).abs())

@@ -188,8 +188,8 @@ pub struct Design<const N: usize> {
     pub outlier: f64,
     /// What a current of one ampere makes of the rotor's speed in a step, rad/s.
     pub push: f64,
-    /// Samples of motion after which winding and magnets are taken to be known, so that what is
-    /// far off is no error of theirs.
+    /// Samples of motion after which winding and magnets are taken to be known, so that an
+    /// outlier is no error of theirs.
     pub confirmed: u16,
     /// Wind-up of the last stage from which the gains are those of a hardened spring, rad.
     pub hardened: f64,

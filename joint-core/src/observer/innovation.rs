@@ -1,8 +1,8 @@
-//! What an update believes of a sample.
+//! Innovations, and the rejection of what is no measurement.
 //!
 //! A drive's interrupt meets samples lost or repeated, encoders that jump, current sensors at their end
 //! and supplies that dip. What is no measurement is flagged and gives no innovation; a voltage that was
-//! not the one asked for is taken for what it is.
+//! not the one asked for is estimated at once.
 
 use super::gains::{CHANNELS, Gains, Whiten};
 use super::health::Status;
@@ -12,21 +12,21 @@ use crate::effect::Effects;
 use crate::joint::State;
 use crate::scalar::Real;
 
-/// Surprises after which winding and magnets are no longer taken to be known: a dip under a drive that
+/// Outliers after which winding and magnets are no longer taken to be known: a dip under a drive that
 /// moves has dozens.
 const OUTLIERS: u16 = 64;
 
-/// What an update has_output of a sample.
+/// What a sample shows beside the estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Innovations<S> {
     pub(super) innovations: [S; CHANNELS],
     pub(super) status: Status,
-    /// Whether no rotor angle was believed.
+    /// Whether no rotor angle was accepted.
     pub(super) unmeasured: bool,
 }
 
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
-    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none to believe; and the flags that
+    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none; and the flags that
     /// go with them.
     #[inline(always)]
     pub(super) fn innovations(
