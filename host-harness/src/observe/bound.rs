@@ -14,7 +14,6 @@
 //! section 7.8: sensitivity to wrong noise models).
 
 use joint_core::joint::Drive;
-use joint_core::per_unit::Bases;
 use nalgebra::{DMatrix, DVector};
 
 use super::design::sensors;
@@ -24,7 +23,7 @@ use super::truth::friction;
 use super::twin::{Felt, Twin};
 use crate::estimate::record::CHANNELS;
 use crate::model::Model;
-use crate::plant::{BuildError, Layout};
+use crate::plant::BuildError;
 
 /// A motion of a joint whose every parameter is known, and how well it is measured.
 #[derive(Clone, Copy, Debug)]
