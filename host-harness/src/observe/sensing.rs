@@ -17,6 +17,9 @@ use super::run::{Seen, observer, run};
 use crate::model::Model;
 use crate::plant::BuildError;
 
+/// An angle of a sample.
+type Angle = fn(&Seen) -> f64;
+
 /// Differences taken of an angle.
 const ORDER: usize = 5;
 /// Standard deviation of that difference of white noise of one: the root of C(10, 5).
@@ -39,7 +42,7 @@ impl Samples {
     ) -> Result<(Model, Rating), BuildError> {
         let mut model = model.clone();
         let sensor = &mut model.sensor;
-        let channels: [(&mut f64, fn(&Seen) -> f64); 2] = [
+        let channels: [(&mut f64, Angle); 2] = [
             (&mut sensor.motor_encoder_counts_per_rev, |seen| seen.motor),
             (&mut sensor.output_encoder_counts_per_rev, |seen| seen.output),
         ];
@@ -65,7 +68,7 @@ impl Samples {
 
     /// White noise of an angle, one sigma, rad: half of what 95 % of its differences stay below, and at
     /// least what its smallest change leaves by rounding. `None` where it hardly is measured.
-    fn white(&self, angle: fn(&Seen) -> f64) -> Option<f64> {
+    fn white(&self, angle: Angle) -> Option<f64> {
         let rows: Vec<(f64, u32)> =
             self.seen.iter().map(angle).zip(self.steps.iter().copied()).collect();
         let even = |rows: &&[(f64, u32)]| rows.iter().skip(1).all(|(_, steps)| *steps == 1);
