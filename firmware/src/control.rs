@@ -124,19 +124,24 @@ impl<const N: usize> Control<N> {
     }
 
     fn drive(&self, sample: Sample) -> f32 {
-        let observer = self.observer.as_ref();
-        match observer.is_some_and(|observer| observer.joint.is_current_imposed()) {
+        match self.is_current_imposed() {
+            // A sensor at its end says nothing of the current, so that the last one is held.
+            true if !within(sample.current_a, self.sensing.largest_current_a) => f32::NAN,
             true => sample.current_a,
             false => sample.voltage_v,
         }
     }
 
+    fn is_current_imposed(&self) -> bool {
+        self.observer.as_ref().is_some_and(|observer| observer.joint.is_current_imposed())
+    }
+
     /// The sample as the observer takes it, less what no sensor can have shown.
     fn seen(&self, sample: Sample, status: &mut Status) -> observer::Sample<f32> {
-        // What is no number is within no limit.
-        let within = |value: f32, limit: f32| value.abs() <= limit;
         let current = within(sample.current_a, self.sensing.largest_current_a);
-        if !current || !within(sample.voltage_v, self.sensing.largest_voltage_v) {
+        let voltage = within(sample.voltage_v, self.sensing.largest_voltage_v);
+        // In torque mode nobody asks for the voltage.
+        if !current || !voltage && !self.is_current_imposed() {
             *status = status.with(Status::MEASUREMENT);
         }
         if let Some(last) = self.last {
@@ -152,4 +157,9 @@ impl<const N: usize> Control<N> {
             output: self.output.map(|encoder| encoder.turn(sample.output_counts)),
         }
     }
+}
+
+/// Whether a measurement is within its sensor's limit; what is no number is within none.
+fn within(value: f32, limit: f32) -> bool {
+    value.abs() <= limit
 }

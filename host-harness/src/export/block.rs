@@ -52,7 +52,10 @@ pub(super) fn designed<const N: usize>(
 ) -> Result<Design<N>, ExportError> {
     let mut rating = Rating::of(model, options.drive);
     rating.current_a = options.current_limit_a;
-    design(model, options.drive, options.period_s, &rating, &Tuning::default())
+    let mut model = model.clone();
+    model.sensor.motor_encoder_counts_per_rev =
+        f64::from(sensing(&model, options).motor_counts_per_turn);
+    design(&model, options.drive, options.period_s, &rating, &Tuning::default())
         .map_err(|error| ExportError::Parameter(error.to_string()))
 }
 

@@ -10,6 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::baseline::{self, Baseline};
+use super::bound::{Bounds, Known, bounds};
 use super::design::{Tuning, breakaway_nm};
 use super::judge::shown;
 use super::over::Samples;
@@ -103,6 +104,8 @@ pub struct Case {
     pub right: f64,
     /// and the scores of the baselines that apply.
     pub baselines: Vec<(Baseline, Score)>,
+    /// What a filter that knows the joint could reach at best, where the model is right.
+    pub bounds: Option<Bounds>,
     /// The observer's estimates over the truth, where the model is right.
     pub plot: Option<String>,
 }
@@ -159,7 +162,8 @@ pub fn judge(
     let plot = (error == Error::None)
         .then(|| super::plot::plot(joint, step_s, judged.truth, &found, &sigma));
     let right = observer.load;
-    Ok(Case { joint: joint.to_owned(), error, output, observer, right, baselines, plot })
+    let joint = joint.to_owned();
+    Ok(Case { joint, error, output, observer, right, baselines, bounds: None, plot })
 }
 
 fn observed<const N: usize>(
@@ -187,8 +191,10 @@ pub struct Drawn {
     pub rating: Rating,
     /// How it moves.
     pub style: Style,
-    /// The motion.
+    /// The motion,
     pub motion: Twin,
+    /// and the noise on the joint in it.
+    pub felt: Felt,
     seed: u64,
 }
 
@@ -241,7 +247,7 @@ impl Drawn {
             seed,
         };
         let motion = motion.run()?;
-        Ok(Self { name, truth, error, rating, style, motion, seed })
+        Ok(Self { name, truth, error, rating, style, motion, felt, seed })
     }
 
     /// What its sensors show.
@@ -276,7 +282,11 @@ pub fn simulated(number: usize, seed: u64) -> Result<Vec<Case>, BuildError> {
         };
         let samples = drawn.samples(output);
         let mut case = judge(&joint, drawn.style, *error, &model, rating, &samples, &judged)?;
-        if *error != Error::None {
+        if *error == Error::None {
+            let (kind, felt) = (Drive::Voltage, drawn.felt);
+            let known = Known { truth, kind, step_s, rating, motion, felt, output };
+            case.bounds = Some(bounds(&known)?);
+        } else {
             let stages = truth.stages.len();
             let own = by_stages!(stages, N => observed::<N>(truth, rating, &samples, &judged))?;
             case.right = own.0.load;

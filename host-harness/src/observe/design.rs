@@ -1,11 +1,12 @@
 //! From a model to the constants of its observer.
 
+use firmware::parameters::Sensing;
 use joint_core::joint::Drive;
 use joint_core::observer::{CHANNELS, Column, Design, Level, Regime, SETS, Spread, StageRow};
 use joint_core::per_unit::Bases;
 use nalgebra::DMatrix;
 
-use super::linear::{Linear, Order, brakes, linearise};
+use super::linear::{Linear, Order, decelerations, linearise};
 use super::rating::Rating;
 use super::riccati::{Median, Uncertain, medians};
 use super::twin::{Felt, Motion, Style};
@@ -18,7 +19,7 @@ const SAMPLES: usize = 6000;
 /// What is free in a design, all as shares of ratings and of friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
-    /// Load's walk as a share of the rated load per root second: steady, alert, lively.
+    /// Load's walk as a share of the rated load per root second: steady, transient, varying.
     pub load: [f64; 3],
     /// Load's slope as a share of the rated load per second, the same.
     pub slope: [f64; 3],
@@ -33,29 +34,29 @@ pub struct Tuning {
     /// Walk of friction's level as a share of it per root second, without and with an output encoder.
     pub level: [f64; 2],
     /// Time constant of friction's running mean, s, without and with an output encoder.
-    pub braking_s: [f64; 2],
+    pub mean_deceleration_s: [f64; 2],
     /// Standard deviations of an innovation that count for friction's level.
-    pub level_lean: f64,
+    pub friction_projection: f64,
     /// Standard deviations that a current may be off before another voltage is taken to be put out.
-    pub sudden: f64,
+    pub outlier: f64,
     /// Noise on the drive as a share of the rated one.
     pub drive: f64,
     /// Noise on the rotor as a share of the breakaway torque.
     pub torque: f64,
     /// Walk of every bristle, share of its Coulomb level per root second.
     pub bristle: f64,
-    /// Time constant of the lean's mean, s.
-    pub follow_s: f64,
+    /// Time constant of the projection's mean, s.
+    pub smoothing_s: f64,
     /// Alarm, in standard deviations of that mean.
     pub alarm: f64,
     /// How long an alarm holds, s.
     pub hold_s: f64,
     /// Time constant of the share of alarms, s.
-    pub often_s: f64,
-    /// Share of alarms that makes a load lively.
-    pub often: f64,
-    /// How long a load is lively after that, s.
-    pub lively_s: f64,
+    pub alarm_rate_s: f64,
+    /// Share of alarms from which on a load is varying.
+    pub alarm_rate: f64,
+    /// How long a load is varying after that, s.
+    pub varying_s: f64,
 }
 
 impl Default for Tuning {
@@ -68,23 +69,24 @@ impl Default for Tuning {
             ohm: 0.04,
             flux: 0.002,
             level: [0.002, 0.02],
-            braking_s: [0.0015, 0.2],
-            level_lean: 1.0,
-            sudden: 8.0,
+            mean_deceleration_s: [0.0015, 0.2],
+            friction_projection: 1.0,
+            outlier: 8.0,
             drive: 1e-3,
             torque: 0.012,
             bristle: 4.0,
-            follow_s: 0.001,
+            smoothing_s: 0.001,
             alarm: 2.8,
             hold_s: 0.001,
-            often_s: 0.012,
-            often: 0.22,
-            lively_s: 0.087,
+            alarm_rate_s: 0.012,
+            alarm_rate: 0.22,
+            varying_s: 0.087,
         }
     }
 }
 
-/// One sigma of the sensors: A, rad, rad; infinite where the model has none.
+/// One sigma of the sensors: A, rad, rad; infinite where the model has none. A rotor encoder of unknown
+/// counts is the firmware's default.
 pub fn sensors(model: &Model) -> [f64; CHANNELS] {
     let count = |counts: f64| {
         if counts > 0.0 { std::f64::consts::TAU / counts / 12.0_f64.sqrt() } else { f64::INFINITY }
@@ -96,7 +98,21 @@ pub fn sensors(model: &Model) -> [f64; CHANNELS] {
     } else {
         count(sensor.output_encoder_counts_per_rev)
     };
-    [current, count(sensor.motor_encoder_counts_per_rev).min(1e3), output]
+    let motor = match sensor.motor_encoder_counts_per_rev {
+        counts if counts > 0.0 => counts,
+        _ => f64::from(Sensing::DEFAULT.motor_counts_per_turn),
+    };
+    [current, count(motor), output]
+}
+
+/// Noise on the drive, one sigma held over a sample, V or A: a share of the rated one, and of a current
+/// that is the input what its sensor adds.
+pub fn drive_noise(model: &Model, kind: Drive, rating: &Rating, share: f64) -> f64 {
+    let sensor = match kind {
+        Drive::Voltage => 0.0,
+        Drive::Current => model.sensor.current_noise_a,
+    };
+    sensor.hypot(share * rating.drive)
 }
 
 /// Torque at the motor that breaks the whole joint away, Nm.
@@ -137,8 +153,10 @@ pub fn gains<const N: usize>(
     rating: &Rating,
     tuning: &Tuning,
 ) -> Result<Design<N>, BuildError> {
-    let felt =
-        Felt { drive: tuning.drive * rating.drive, torque: tuning.torque * breakaway_nm(model) };
+    let felt = Felt {
+        drive: drive_noise(model, kind, rating, tuning.drive),
+        torque: tuning.torque * breakaway_nm(model),
+    };
     let sigma = sensors(model);
     let motion = Motion {
         truth: model,
@@ -164,12 +182,12 @@ fn assemble<const N: usize>(
     linear: &Linear,
 ) -> Design<N> {
     let root = step_s.sqrt();
-    let braking = tuning.braking_s.map(|time_s| 1.0 - (-step_s / time_s).exp());
+    let mean_deceleration = tuning.mean_deceleration_s.map(|time_s| 1.0 - (-step_s / time_s).exp());
     let all = sensors(model);
     let held = settled(&linear.held, 3);
     let free: Vec<bool> = settled(&linear.held.iter().map(|h| !h).collect::<Vec<_>>(), 3);
     let uncertain = |speed: usize, output: bool| Uncertain {
-        drive: tuning.drive * rating.drive,
+        drive: drive_noise(model, kind, rating, tuning.drive),
         torque: tuning.torque * breakaway_nm(model),
         sensors: [
             if kind == Drive::Current { f64::INFINITY } else { all[0] },
@@ -183,27 +201,27 @@ fn assemble<const N: usize>(
         ohm: tuning.ohm * root,
         flux: tuning.flux * root,
         level: tuning.level[usize::from(output)] * root,
-        braking: braking[usize::from(output)],
+        mean_deceleration: mean_deceleration[usize::from(output)],
         bristle: tuning.bristle * root,
     };
     let mut sets = [[Column::filled(0.0); CHANNELS]; SETS];
     let mut sigma = [1.0; CHANNELS];
     let mut scale = [0.0; 2];
-    let mut lean = [[0.0; CHANNELS]; 2];
+    let mut projection = [[0.0; CHANNELS]; 2];
     let mut levels = [[0.0; CHANNELS]; 2];
     for output in [false, true] {
         if output && !all[2].is_finite() {
-            for regime in [Regime::Steady, Regime::Alert, Regime::Lively, Regime::Held] {
-                for bent in [false, true] {
-                    sets[regime.row(true, bent)] = sets[regime.row(false, bent)];
+            for regime in [Regime::Steady, Regime::Transient, Regime::Varying, Regime::Held] {
+                for hardened in [false, true] {
+                    sets[regime.row(true, hardened)] = sets[regime.row(false, hardened)];
                 }
             }
-            lean[1] = lean[0];
+            projection[1] = projection[0];
             levels[1] = levels[0];
             continue;
         }
-        let both = |mask: &[bool], bent: bool| -> Vec<bool> {
-            mask.iter().zip(&linear.bent).map(|(m, b)| *m && *b == bent).collect()
+        let both = |mask: &[bool], hardened: bool| -> Vec<bool> {
+            mask.iter().zip(&linear.hardened).map(|(m, b)| *m && *b == hardened).collect()
         };
         let masks = [
             free.clone(),
@@ -214,7 +232,7 @@ fn assemble<const N: usize>(
         ];
         let slow = medians(linear, &uncertain(0, output), &masks);
         let fast = medians(linear, &uncertain(1, output), &masks);
-        let lively = medians(linear, &uncertain(2, output), &masks);
+        let varying = medians(linear, &uncertain(2, output), &masks);
         let Some(steady) = slow[0].clone() else { continue };
         if !output {
             scale = steady.scale;
@@ -229,45 +247,46 @@ fn assemble<const N: usize>(
         let or = |a: &Option<Median>, b: &Option<Median>| {
             a.clone().or_else(|| b.clone()).unwrap_or_else(|| steady.clone())
         };
-        for bent in [false, true] {
-            let k = usize::from(bent);
+        for hardened in [false, true] {
+            let k = usize::from(hardened);
             let rows = [
                 (Regime::Steady, or(&slow[1 + k], &slow[0])),
-                (Regime::Alert, or(&fast[1 + k], &fast[0])),
-                (Regime::Lively, or(&lively[1 + k], &lively[0])),
+                (Regime::Transient, or(&fast[1 + k], &fast[0])),
+                (Regime::Varying, or(&varying[1 + k], &varying[0])),
                 (Regime::Held, or(&slow[3 + k], &slow[3])),
             ];
             for (regime, median) in rows {
-                sets[regime.row(output, bent)] = columns(linear.order, &median, &sigma);
+                sets[regime.row(output, hardened)] = columns(linear.order, &median, &sigma);
             }
         }
         levels[usize::from(output)] = steady.level;
-        let leans = sets[Regime::Steady.row(output, false)].each_ref().map(|column| column.load);
-        let size = leans.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300);
-        lean[usize::from(output)] = leans.map(|v| v / size);
+        let projections =
+            sets[Regime::Steady.row(output, false)].each_ref().map(|column| column.load);
+        let size = projections.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300);
+        projection[usize::from(output)] = projections.map(|v| v / size);
     }
-    let follow = 1.0 - (-step_s / tuning.follow_s).exp();
+    let smoothing = 1.0 - (-step_s / tuning.smoothing_s).exp();
     let settled = ((0.02 / step_s) as u16).max(50);
     Design {
         sets,
         ohm: scale[0] * sigma[0],
         flux: scale[1] * sigma[0],
-        level: level(model, step_s, tuning, braking, &levels, &sigma),
-        sudden: tuning.sudden,
+        level: level(model, step_s, tuning, mean_deceleration, &levels, &sigma),
+        outlier: tuning.outlier,
         push: model.motor.torque_constant_nm_per_a * step_s / inertias(model)[0],
-        sure: (0.25 / step_s).min(30_000.0) as u16,
-        bent: super::linear::bend(model),
+        confirmed: (0.25 / step_s).min(30_000.0) as u16,
+        hardened: super::linear::bend(model),
         sigma,
         gate: 40.0,
         leak: [0, 1, 2, 0].map(|k: usize| (-step_s / tuning.leak_s[k]).exp()),
-        lean,
-        follow,
-        alarm: tuning.alarm * (follow / (2.0 - follow)).sqrt(),
+        projection,
+        smoothing,
+        alarm: tuning.alarm * (smoothing / (2.0 - smoothing)).sqrt(),
         hold: (tuning.hold_s / step_s).round().max(1.0) as u16,
-        often: 1.0 - (-step_s / tuning.often_s).exp(),
-        lively: (tuning.often, (tuning.lively_s / step_s).round().max(1.0) as u16),
+        alarm_rate: 1.0 - (-step_s / tuning.alarm_rate_s).exp(),
+        varying: (tuning.alarm_rate, (tuning.varying_s / step_s).round().max(1.0) as u16),
         settled,
-        strange: 12.0,
+        inconsistent: 12.0,
         most_load_nm: 4.0 * rating.load_nm,
         most_bias: 0.6 * rating.drive,
         most_ohm: 0.5,
@@ -306,21 +325,21 @@ fn level<const N: usize>(
     model: &Model,
     step_s: f64,
     tuning: &Tuning,
-    follow: [f64; 2],
+    smoothing: [f64; 2],
     found: &[[f64; CHANNELS]; 2],
     sigma: &[f64; CHANNELS],
 ) -> Level<N> {
-    let brakes = brakes(model, step_s);
+    let decelerations = decelerations(model, step_s);
     let angles = found.map(|[_, motor, output]| [motor * sigma[1], output * sigma[2]]);
     let size = angles.map(|[motor, output]| motor.hypot(output));
     let unit = |k: usize| angles[k].map(|v| if size[k] > 0.0 { v / size[k] } else { 0.0 });
     Level {
-        rotor: brakes[0],
-        stages: std::array::from_fn(|k| brakes[k + 1]),
-        follow,
-        lean: [unit(0), unit(1)],
+        rotor: decelerations[0],
+        stages: std::array::from_fn(|k| decelerations[k + 1]),
+        smoothing,
+        projection: [unit(0), unit(1)],
         gain: size,
-        most_lean: tuning.level_lean,
+        most_projection: tuning.friction_projection,
         most: 0.3,
     }
 }

@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::design::{breakaway_nm, sensors};
+use super::design::{breakaway_nm, drive_noise, sensors};
 use super::rating::Rating;
 use super::run::{Seen, observer, run};
 use super::twin::{Felt, Motion, Style, Twin};
@@ -136,7 +136,8 @@ pub fn spread<const N: usize>(
         let truth = near(model, wrong, 100 + seed);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let size = random.random_range(0.5..1.5);
-        let felt = Felt { drive: 1e-3 * size * rating.drive, torque: 0.01 * size * level };
+        let drive = drive_noise(&truth, kind, rating, 1e-3 * size);
+        let felt = Felt { drive, torque: 0.01 * size * level };
         let style = if seed % 2 == 0 { Style::Creep } else { Style::Duty };
         let motion = Motion {
             truth: &truth,
@@ -165,7 +166,7 @@ pub fn spread<const N: usize>(
                 if turning < TURNING * level {
                     put(1, off);
                 } else {
-                    turns[usize::from(Regime::sees(e.row))].push([off.abs(), turning]);
+                    turns[usize::from(Regime::has_output(e.row))].push([off.abs(), turning]);
                 }
                 put(2, found.output_angle - (state[Layout::ANGLE] - wound) * shaft);
                 put(3, e.output_velocity - state[layout.speed(N)] * shaft);
@@ -180,7 +181,7 @@ pub fn spread<const N: usize>(
     let blind = level / shaft.abs();
     let spread: [Spread<f64, N>; SETS] = std::array::from_fn(|row| {
         let of = |which: usize| deviation(&errors[which], row);
-        let held_blind = row % Regime::COUNT == Regime::Held as usize && !Regime::sees(row);
+        let held_blind = row % Regime::COUNT == Regime::Held as usize && !Regime::has_output(row);
         Spread {
             motor_velocity: of(0),
             total_friction: of(1),

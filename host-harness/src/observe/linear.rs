@@ -76,11 +76,11 @@ pub struct Linear {
     /// By sample: current, A, and rotor speed, rad/s.
     pub running: Vec<[f64; 2]>,
     /// By sample: what friction takes of the rotor's speed in a step, rad/s.
-    pub braking: Vec<f64>,
+    pub deceleration: Vec<f64>,
     /// By sample: whether the rotor is held by its friction.
     pub held: Vec<bool>,
-    /// By sample: whether the last spring is bent.
-    pub bent: Vec<bool>,
+    /// By sample: whether the last spring is hardened.
+    pub hardened: Vec<bool>,
 }
 
 /// Linearises a model along a motion.
@@ -106,12 +106,12 @@ pub fn linearise(
     let mut transition = Vec::with_capacity(samples);
     let mut held = Vec::with_capacity(samples);
     let mut running = Vec::with_capacity(samples);
-    let mut braking = Vec::with_capacity(samples);
-    let brakes = brakes(model, step_s);
+    let mut deceleration = Vec::with_capacity(samples);
+    let decelerations = decelerations(model, step_s);
     let share = winding(&model.motor, step_s);
     let (resistance, constant) =
         (2.0 * model.motor.phase_resistance_ohm, model.motor.torque_constant_nm_per_a);
-    let mut bent = Vec::with_capacity(samples);
+    let mut hardened = Vec::with_capacity(samples);
     let shaft = output_shaft(model);
     let bend = bend(model) / shaft.abs();
     let mut moved = vec![0.0; layout.len()];
@@ -119,7 +119,7 @@ pub fn linearise(
         let state = &twin.states[k];
         held.push(is_held(model, state[layout.speed(0)], state[layout.bristle(0)]));
         let last = layout.stages.checked_sub(1);
-        bent.push(last.is_some_and(|stage| state[layout.deflection(stage)].abs() > bend));
+        hardened.push(last.is_some_and(|stage| state[layout.deflection(stage)].abs() > bend));
         let mut run = |change: &dyn Fn(&mut [f64]), drive: f64, load: f64| -> Vec<f64> {
             moved.copy_from_slice(state);
             change(&mut moved);
@@ -158,14 +158,14 @@ pub fn linearise(
             f[(row, order.flux())] = -constant * speed * f[(row, order.bias())];
         }
         let taken = |mass: usize| {
-            let [bristle, viscous] = brakes[mass];
+            let [bristle, viscous] = decelerations[mass];
             state[layout.bristle(mass)] * bristle + state[layout.speed(mass)] * viscous
         };
         for row in 0..n {
             f[(row, order.level())] =
                 (0..=layout.stages).map(|mass| -taken(mass) * f[(row, layout.speed(mass))]).sum();
         }
-        braking.push(taken(0));
+        deceleration.push(taken(0));
         transition.push(f);
     }
     let mut kick = DVector::zeros(size);
@@ -181,7 +181,7 @@ pub fn linearise(
     for stage in 0..layout.stages {
         shows[(2, layout.deflection(stage))] = -shaft;
     }
-    Ok(Linear { order, transition, kick, shows, running, braking, held, bent })
+    Ok(Linear { order, transition, kick, shows, running, deceleration, held, hardened })
 }
 
 /// Small changes of every quantity, of the order of what is known of it.
@@ -215,10 +215,10 @@ fn is_held(model: &Model, speed: f64, zeta: f64) -> bool {
 /// the motor, and for its viscous part, as a share of the speed.
 ///
 /// It is taken at once, so that a bristle that is too stiff for that is felt at the rotor.
-pub fn brakes(model: &Model, step_s: f64) -> Vec<[f64; 2]> {
+pub fn decelerations(model: &Model, step_s: f64) -> Vec<[f64; 2]> {
     let bases = Bases::si(&model.motor, &model.stages);
     let inertias = inertias(model);
-    let mut brakes = vec![[0.0; 2]; inertias.len()];
+    let mut decelerations = vec![[0.0; 2]; inertias.len()];
     for (mass, own) in inertias.iter().enumerate() {
         let friction = match mass.checked_sub(1) {
             None => &model.motor.friction,
@@ -227,16 +227,16 @@ pub fn brakes(model: &Model, step_s: f64) -> Vec<[f64; 2]> {
         let shaft = bases.shaft(mass).abs();
         let stiff = friction.sigma0_nm_per_rad * shaft * shaft * step_s * step_s / own;
         let (at, inertia) = if stiff > MOST_STIFF { (0, inertias[0]) } else { (mass, *own) };
-        brakes[at][0] += friction.coulomb_nm * shaft * step_s / inertia;
-        brakes[mass][1] += friction.sigma2_nm_s_per_rad * shaft * shaft * step_s / own;
+        decelerations[at][0] += friction.coulomb_nm * shaft * step_s / inertia;
+        decelerations[mass][1] += friction.sigma2_nm_s_per_rad * shaft * shaft * step_s / own;
     }
-    brakes
+    decelerations
 }
 
 /// Largest σ0 h²/J of a bristle a third of whose torque acts on its own mass all at once.
 const MOST_STIFF: f64 = 4.0;
 
-/// From where on the last spring is bent, rad: its tangent is a quarter stiffer than at rest.
+/// From where on the last spring is hardened, rad: its tangent is a quarter stiffer than at rest.
 pub fn bend(model: &Model) -> f64 {
     match model.stages.last() {
         Some(stage) if stage.cubic_stiffness_nm_per_rad3 > 0.0 => {

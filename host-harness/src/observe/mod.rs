@@ -6,6 +6,7 @@
 
 pub mod baseline;
 pub mod bench;
+pub mod bound;
 pub mod counted;
 pub mod design;
 pub mod drive;
@@ -17,6 +18,7 @@ pub mod rating;
 pub mod riccati;
 pub mod run;
 pub mod score;
+pub mod sensing;
 pub mod set;
 pub mod table;
 pub mod truth;

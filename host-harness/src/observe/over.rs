@@ -4,7 +4,7 @@ use joint_core::fixed::Fixed;
 use joint_core::joint::Drive;
 use joint_core::per_unit::Bases;
 
-use super::design::{Tuning, gains};
+use super::design::{Tuning, design, gains};
 use super::rating::Rating;
 use super::run::{Found, Seen, observer, run, run_fixed};
 use crate::log::Log;
@@ -27,7 +27,7 @@ pub struct Samples {
 impl Samples {
     /// Of a log.
     pub fn of(log: &Log) -> Self {
-        let kind = if log.voltage_v.is_some() { Drive::Voltage } else { Drive::Current };
+        let kind = imposed(log);
         let mut intervals: Vec<f64> = log.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let steps = |step_s: f64| {
             let pairs = log.time_s.windows(2);
@@ -63,10 +63,25 @@ impl Samples {
             rating.drive = drive;
             rating.load_nm = Rating::holds(model, self.kind, drive);
         }
+        let speed = self.speed();
+        if speed > 0.0 {
+            rating.speed = speed;
+        }
         match load_nm {
             Some(load_nm) => Ok(Rating { load_nm, ..rating }),
             None => self.shown::<N>(model, rating),
         }
+    }
+
+    /// The rotor speed that 98 % of the log stays below, rad/s.
+    fn speed(&self) -> f64 {
+        let pairs = self.seen.windows(2).zip(self.steps.iter().skip(1));
+        let speeds = pairs.map(|(pair, steps)| {
+            (pair[1].motor - pair[0].motor).abs() / (f64::from(*steps) * self.step_s)
+        });
+        let mut speeds: Vec<f64> = speeds.filter(|speed| speed.is_finite()).collect();
+        speeds.sort_by(f64::total_cmp);
+        speeds.get(speeds.len() * 98 / 100).copied().unwrap_or(0.0)
     }
 
     /// The largest load that the log shows: from one that friction holds upwards, as an observer
@@ -106,7 +121,7 @@ impl Samples {
         scalar: ScalarKind,
     ) -> Result<Vec<Found<N>>, BuildError> {
         let (kind, step_s) = (self.kind, self.step_s);
-        let design = super::design::design::<N>(model, kind, step_s, rating, tuning)?;
+        let design = design::<N>(model, kind, step_s, rating, tuning)?;
         let (seen, steps) = (&self.seen, &self.steps);
         Ok(match scalar {
             ScalarKind::F64 => run(&observer::<f64, N>(model, kind, step_s, &design)?, seen, steps),
@@ -117,6 +132,21 @@ impl Samples {
                 run_fixed(&observer, &bases, seen, steps)
             }
         })
+    }
+}
+
+/// What stands for the drive: the voltage, or the current where there is none or where most of it is
+/// missing and the current has more. A drive in torque mode logs its current alone, which then is the
+/// input and corrects nothing.
+fn imposed(log: &Log) -> Drive {
+    let values = |column: &Option<Vec<f64>>| {
+        column.as_deref().unwrap_or_default().iter().filter(|value| value.is_finite()).count()
+    };
+    let (voltage, current) = (values(&log.voltage_v), values(&log.current_a));
+    if 2 * voltage >= log.len().max(1) || voltage > current {
+        Drive::Voltage
+    } else {
+        Drive::Current
     }
 }
 

@@ -15,21 +15,30 @@ pub struct Rating {
     pub load_nm: f64,
     /// Where the current sensor ends, A.
     pub current_a: f64,
+    /// Largest rotor speed, rad/s: a drive in torque mode has no back-EMF to end a run.
+    pub speed: f64,
 }
 
 impl Rating {
-    /// From the model alone: the voltage that shows all of it, and the load that a quarter of that
-    /// voltage holds at a standstill.
+    /// From the model alone: the voltage that shows all of it, or the current that it drives through a
+    /// winding at rest, and the load that a quarter of that holds at a standstill.
     pub fn of(model: &Model, kind: Drive) -> Self {
         let bases = Bases::si(&model.motor, &model.stages);
         let volts = amplitude_v(model);
-        let current = volts / bases.resistance.max(1e-9);
         let drive = match kind {
             Drive::Voltage => volts,
-            Drive::Current => current,
+            Drive::Current if bases.resistance > 0.0 => volts / bases.resistance,
+            // No winding to tell of a current: what moves the joint six times over, or, without
+            // friction, takes the rotor to 100 rad/s in a tenth of a second.
+            Drive::Current => {
+                let rotor = 1e3 * model.motor.rotor_inertia_kg_m2;
+                let torque = (6.0 * super::design::breakaway_nm(model)).max(rotor);
+                torque / model.motor.torque_constant_nm_per_a
+            }
         };
         let load_nm = Self::holds(model, kind, drive);
-        Self { drive, load_nm, current_a: f64::INFINITY }
+        let speed = volts / model.motor.torque_constant_nm_per_a;
+        Self { drive, load_nm, current_a: f64::INFINITY, speed }
     }
 
     /// What the friction of the whole joint holds at the output, Nm.

@@ -29,7 +29,7 @@ pub struct Uncertain {
     /// Walk of friction's level a step, as a share.
     pub level: f64,
     /// Share by which the running mean of what friction takes follows it.
-    pub braking: f64,
+    pub mean_deceleration: f64,
     /// Walk of every bristle in a step, as a share of its Coulomb level.
     pub bristle: f64,
 }
@@ -97,8 +97,8 @@ pub fn medians(linear: &Linear, uncertain: &Uncertain, when: &[Vec<bool>]) -> Ve
         let Some(inverse) = s.clone().try_inverse() else { continue };
         let gain = &ph * inverse;
         p -= &gain * ph.transpose();
-        let beside = linear.braking[k] - mean;
-        mean += uncertain.braking * beside;
+        let beside = linear.deceleration[k] - mean;
+        mean += uncertain.mean_deceleration * beside;
         let mut variance = [0.0; CHANNELS];
         for (row, &c) in used.iter().enumerate() {
             variance[c] = s[(row, row)];

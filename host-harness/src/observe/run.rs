@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use joint_core::effect::EffectSet;
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Settings};
-use joint_core::observer::{Design, Estimate, Gains, Observer, Sample, Spread, Track, Turn};
+use joint_core::observer::{
+    Design, Estimate, Gains, Observer, Sample, Spread, Status, Track, Turn,
+};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::Bases;
 use joint_core::scalar::Real;
@@ -105,10 +107,12 @@ fn run_with<S: Real, const N: usize>(
         }
         let angle = |value: f64| value.is_finite().then(|| Turn::from_turns(turns(value)));
         let mut drive = S::from_f64(seen.drive);
-        if seen.drive.is_finite() {
+        let known = seen.drive.is_finite();
+        if known {
             held = drive;
         } else if !has_none {
-            // Fixed point cannot say that a voltage is missing: who feeds it holds the last one.
+            // Fixed point cannot say that a drive is missing: who feeds it holds the last one, and
+            // knows of it.
             drive = held;
         }
         let sample = Sample {
@@ -118,7 +122,8 @@ fn run_with<S: Real, const N: usize>(
             output: angle(seen.output),
         };
         observer.update(&mut track, &sample);
-        let estimate = read(&track);
+        let mut estimate = read(&track);
+        estimate.status = estimate.status.with_if(!known, Status::NO_DRIVE);
         let output_angle = (f64::from(estimate.output_turns) + estimate.output_part) * TAU;
         found.push(Found { estimate, output_angle });
     }

@@ -62,6 +62,20 @@ pub struct Score {
     pub within: [[f64; 2]; 3],
 }
 
+impl Score {
+    /// Says nothing.
+    pub const NONE: Self = Self {
+        load: f64::NAN,
+        calm: f64::NAN,
+        first: f64::NAN,
+        windup: f64::NAN,
+        friction: f64::NAN,
+        both: f64::NAN,
+        t90_s: f64::NAN,
+        within: [[f64::NAN; 2]; 3],
+    };
+}
+
 /// Samples with the truth beside them.
 #[derive(Clone, Debug)]
 pub struct Judged<'a> {

@@ -8,9 +8,12 @@ use std::path::{Path, PathBuf};
 use joint_core::per_unit::Bases;
 
 use super::bench::{Case, Error, judge};
+use super::bound::{Bounds, Known, bounds};
+use super::design::{breakaway_nm, drive_noise};
 use super::over::Samples;
+use super::rating::Rating;
 use super::score::{Guess, Judged, jumps};
-use super::twin::Style;
+use super::twin::{Felt, Motion, Style};
 use crate::estimate::fit::Problem;
 use crate::estimate::record::Record;
 use crate::estimate::refit;
@@ -85,13 +88,47 @@ pub fn case(folder: &Path) -> Result<Vec<Case>, InputError> {
                 .map_err(unbuilt)?;
             let case = judge(&joint, Style::Duty, error, &model, &rating, &samples, &judged);
             let case = case.map_err(unbuilt)?;
-            if error == Error::None {
+            let bounds = if error == Error::None {
                 right = case.observer.load;
-            }
-            cases.push(Case { right, ..case });
+                Some(bounds_of(&model, &rating, &samples, &loads, output).map_err(unbuilt)?)
+            } else {
+                None
+            };
+            cases.push(Case { right, bounds, ..case });
         }
     }
     Ok(cases)
+}
+
+/// What a filter with the refitted model could reach at best: along the motion that this model makes
+/// under the log's drive and its true load, whose states no file tells.
+fn bounds_of(
+    model: &Model,
+    rating: &Rating,
+    samples: &Samples,
+    loads: &[f64],
+    output: bool,
+) -> Result<Bounds, BuildError> {
+    let (kind, step_s) = (samples.kind, samples.step_s);
+    let felt =
+        Felt { drive: drive_noise(model, kind, rating, 1e-3), torque: 0.01 * breakaway_nm(model) };
+    let made = Motion {
+        truth: model,
+        kind,
+        step_s,
+        rating,
+        felt,
+        style: Style::Duty,
+        samples: loads.len(),
+        seed: 79,
+    };
+    let mut held = 0.0;
+    let drive = samples.seen.iter().map(|seen| {
+        held = if seen.drive.is_finite() { seen.drive } else { held };
+        held
+    });
+    let motion = made.under(drive.collect(), loads.to_vec())?;
+    bounds(&Known { truth: model, kind, step_s, rating, motion: &motion, felt, output })
 }
 
 /// The truth of a case: load, wind-up and friction by sample.

@@ -108,7 +108,7 @@ impl Motion<'_> {
 
     fn along(
         &self,
-        drive: Vec<f64>,
+        mut drive: Vec<f64>,
         load: Vec<f64>,
         mut random: ChaCha8Rng,
     ) -> Result<Twin, BuildError> {
@@ -122,15 +122,25 @@ impl Motion<'_> {
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
         let mut state = vec![0.0; layout.len()];
         let mut states = Vec::with_capacity(drive.len());
-        for (k, (drive, load)) in drive.iter().zip(&load).enumerate() {
-            states.push(state.clone());
+        for (k, (drive, load)) in drive.iter_mut().zip(&load).enumerate() {
             if kind == Drive::Current {
+                *drive = self.limited(*drive, state[layout.speed(0)]);
                 state[Layout::CURRENT] = *drive;
             }
-            plant.propagate(k, &mut state, drive + felt.drive * normal(), *load);
+            states.push(state.clone());
+            plant.propagate(k, &mut state, *drive + felt.drive * normal(), *load);
             state[layout.speed(0)] += felt.torque * normal() * step_s / inertia;
         }
         Ok(Twin { drive, load, states, jumps })
+    }
+}
+
+impl Motion<'_> {
+    /// A current that falls as the rotor comes to its largest speed: what a drive's own limit does, and
+    /// what a voltage does by itself.
+    fn limited(&self, current: f64, speed: f64) -> f64 {
+        let most = self.rating.drive;
+        (current - most * (speed / self.rating.speed).powi(3)).clamp(-most, most)
     }
 }
 

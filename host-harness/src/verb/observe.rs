@@ -110,9 +110,9 @@ fn observed_by<const N: usize>(
     log: &Log,
 ) -> Result<String, BuildError> {
     let samples = Samples::of(log);
-    let rating = samples.rating::<N>(model, args.rated_load_nm)?;
+    let (model, rating) = samples.sensed::<N>(model, args.rated_load_nm)?;
     let tuning = Tuning::default();
-    let found = samples.observed::<N>(model, &rating, &tuning, args.scalar.into())?;
+    let found = samples.observed::<N>(&model, &rating, &tuning, args.scalar.into())?;
     let bases = Bases::si(&model.motor, &model.stages);
     let shafts = std::array::from_fn(|k| bases.shaft(k + 1));
     Ok(format!("{}\n{}", table::header(N), table::rows(&log.time_s, &found, &shafts)))

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::{Common, Failure, Outcome};
 use crate::observe::baseline::Baseline;
 use crate::observe::bench::{Case, Error, simulated};
+use crate::observe::bound::Bound;
 use crate::observe::score::Score;
 use crate::observe::set;
 use crate::output::OutDir;
@@ -19,7 +20,8 @@ use crate::output::OutDir;
 /// On logs: every folder within `--set` that holds `nominal.toml`, an unloaded `calibration.csv`,
 /// `log.csv` and its `truth.csv` is a case; the model is refitted on the calibration first. Else on
 /// joints drawn at random. The observer (f32) and every baseline are given the same model, right and
-/// wrong in one way after the other, and the same samples, with and without output encoder. Writes
+/// wrong in one way after the other, and the same samples, with and without output encoder. Where the
+/// model is right, two rows and a column say what the best linear filter could reach. Writes
 /// `observe-bench.json`, and of logs the estimates over the truth as `NAME-SENSORS.svg`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
@@ -90,6 +92,8 @@ fn case(case: &Case) -> Value {
         "model_error": case.error.name(),
         "output_encoder": case.output,
         "observer": score(&case.observer),
+        "bound": case.bounds.map(|bounds| bound(&bounds.told)),
+        "full_filter": case.bounds.map(|bounds| bound(&bounds.filter)),
         "load_rms_of_peak_with_the_right_model": case.right,
         "baselines": baselines,
     })
@@ -111,36 +115,92 @@ fn score(score: &Score) -> Value {
     })
 }
 
+fn bound(bound: &Bound) -> Value {
+    let known = |value: f64| value.is_finite().then_some(value);
+    json!({
+        "load_rms_of_peak": known(bound.load),
+        "first_windup_rms_of_peak": known(bound.first),
+        "windup_rms_of_peak": known(bound.windup),
+        "friction_rms_of_rms": known(bound.friction),
+    })
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Row {
+    Observer,
+    Bound,
+    FullFilter,
+    Baseline(Baseline),
+}
+
+impl Row {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Observer => "observer",
+            Self::Bound => "bound, told of the jumps",
+            Self::FullFilter => "full filter, best noise",
+            Self::Baseline(baseline) => baseline.name(),
+        }
+    }
+}
+
+/// What a row shows: a score, times the error that the right model had, and the bound of the load.
+#[derive(Clone, Copy, Debug)]
+struct Shown {
+    score: Score,
+    right: f64,
+    bound: f64,
+}
+
+impl Shown {
+    fn of(score: Score) -> Self {
+        Self { score, right: f64::NAN, bound: f64::NAN }
+    }
+
+    fn bound(own: &Bound) -> Self {
+        let Bound { load, first, windup, friction } = *own;
+        Self::of(Score { load, first, windup, friction, ..Score::NONE })
+    }
+}
+
 /// Medians over joints, by joint, sensors, model error and method.
 fn table(cases: &[Case]) -> String {
-    // A score, and times the error that the right model had.
-    type Marked = (Score, f64);
-    type Key = (String, bool, Error, Option<Baseline>);
-    let mut rows: BTreeMap<Key, Vec<Marked>> = BTreeMap::new();
+    type Key = (String, bool, Error, Row);
+    let mut rows: BTreeMap<Key, Vec<Shown>> = BTreeMap::new();
     for case in cases {
-        let mut put = |method, score| {
-            let key = (case.joint.clone(), case.output, case.error, method);
-            rows.entry(key).or_default().push(score);
+        let mut put = |row, shown| {
+            let key = (case.joint.clone(), case.output, case.error, row);
+            rows.entry(key).or_default().push(shown);
         };
-        put(None, (case.observer, case.observer.load / case.right));
-        case.baselines.iter().for_each(|(kind, score)| put(Some(*kind), (*score, f64::NAN)));
+        let right = case.observer.load / case.right;
+        let bound = case.bounds.map_or(f64::NAN, |bounds| bounds.told.load);
+        put(Row::Observer, Shown { score: case.observer, right, bound });
+        if let Some(bounds) = &case.bounds {
+            put(Row::Bound, Shown::bound(&bounds.told));
+            put(Row::FullFilter, Shown::bound(&bounds.filter));
+        }
+        for (kind, score) in &case.baselines {
+            put(Row::Baseline(*kind), Shown::of(*score));
+        }
     }
-    type Column = (&'static str, f64, fn(&(Score, f64)) -> f64);
-    const COLUMNS: [Column; 14] = [
-        ("load %", 100.0, |(s, _)| s.load),
-        ("× right", 1.0, |(_, times)| *times),
-        ("calm %", 100.0, |(s, _)| s.calm),
-        ("t90 ms", 1e3, |(s, _)| s.t90_s),
-        ("first %", 100.0, |(s, _)| s.first),
-        ("last %", 100.0, |(s, _)| s.windup),
-        ("fric %", 100.0, |(s, _)| s.friction),
-        ("both %", 100.0, |(s, _)| s.both),
-        ("load 1σ", 100.0, |(s, _)| s.within[0][0]),
-        ("2σ", 100.0, |(s, _)| s.within[0][1]),
-        ("last 1σ", 100.0, |(s, _)| s.within[1][0]),
-        ("2σ", 100.0, |(s, _)| s.within[1][1]),
-        ("fric 1σ", 100.0, |(s, _)| s.within[2][0]),
-        ("2σ", 100.0, |(s, _)| s.within[2][1]),
+    type Column = (&'static str, f64, fn(&Shown) -> f64);
+    const COLUMNS: [Column; 15] = [
+        ("load %", 100.0, |s| s.score.load),
+        ("bound %", 100.0, |s| s.bound),
+        ("× right", 1.0, |s| s.right),
+        ("calm %", 100.0, |s| s.score.calm),
+        ("t90 ms", 1e3, |s| s.score.t90_s),
+        ("first %", 100.0, |s| s.score.first),
+        ("last %", 100.0, |s| s.score.windup),
+        ("fric %", 100.0, |s| s.score.friction),
+        ("both %", 100.0, |s| s.score.both),
+        ("load 1σ", 100.0, |s| s.score.within[0][0]),
+        ("2σ", 100.0, |s| s.score.within[0][1]),
+        ("last 1σ", 100.0, |s| s.score.within[1][0]),
+        ("2σ", 100.0, |s| s.score.within[1][1]),
+        ("fric 1σ", 100.0, |s| s.score.within[2][0]),
+        ("2σ", 100.0, |s| s.score.within[2][1]),
     ];
     let mut text =
         format!("{:12} {:5} {:14} {:29} {:>3}", "joint", "seen", "model error", "method", "n");
@@ -148,13 +208,13 @@ fn table(cases: &[Case]) -> String {
         let _ = write!(text, " {name:>7}");
     }
     text.push('\n');
-    for ((joint, output, error, method), scores) in rows {
+    for ((joint, output, error, row), scores) in rows {
         let _ = write!(
             text,
             "{joint:12} {:5} {:14} {:29} {:>3}",
             if output { "both" } else { "motor" },
             error.name(),
-            method.map_or("observer", Baseline::name),
+            row.name(),
             scores.len(),
         );
         for (_, scale, value) in COLUMNS {

@@ -83,7 +83,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     pub fn reading(&self, track: &Track<S, N>) -> Estimate<S, N> {
         let (joint, gains, state) = (&self.joint, &self.gains, &track.state);
         let rotor = &state.rotor;
-        let all = S::ONE + track.level;
+        let all = S::ONE + track.parameters.friction;
         let motor_friction = joint.rotor.felt(rotor) * all;
         let mut total = motor_friction;
         let mut turning = joint.rotor.turning(rotor);
@@ -104,13 +104,13 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let (more, output_part) = (S::from_turn_counts(base.0 as i32) + part).split_turns();
         // Read as signed, the upper half of a turn counts back from the next.
         let turns = turns.wrapping_add(i32::from(base.0 > i32::MAX as u32));
-        let row = usize::from(track.row);
+        let row = usize::from(track.schedule.row);
         let mut spread = match gains.spread.get(row) {
             Some(spread) => *spread,
             None => Spread::filled(S::ZERO),
         };
         let [without, with] = gains.turning;
-        let turning = turning * if Regime::sees(row) { with } else { without };
+        let turning = turning * if Regime::has_output(row) { with } else { without };
         spread.total_friction = spread.total_friction + turning;
         Estimate {
             motor_velocity: rotor.speed,
@@ -121,11 +121,11 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             output_turns: turns.wrapping_add(more),
             output_part,
             output_velocity: last,
-            load: track.load,
-            bias: track.bias,
-            resistance: track.ohm + track.flux,
-            flux: track.flux,
-            friction: track.level,
+            load: track.disturbance.load,
+            bias: track.disturbance.bias,
+            resistance: track.parameters.resistance + track.parameters.flux,
+            flux: track.parameters.flux,
+            friction: track.parameters.friction,
             spread,
             row,
             status: track.status,

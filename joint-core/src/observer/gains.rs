@@ -21,10 +21,10 @@ pub enum Regime {
     /// It moves and the innovations are what noise makes them.
     #[default]
     Steady,
-    /// The innovations lean to one side: the load has changed.
-    Alert,
+    /// The innovations' running mean has left its noise: the load has changed.
+    Transient,
     /// The load has kept changing for some time.
-    Lively,
+    Varying,
     /// The rotor is held by its own friction; what lies beyond is seen by an output encoder only.
     Held,
 }
@@ -34,16 +34,16 @@ impl Regime {
     pub const COUNT: usize = 4;
 
     /// Whether a row is one with an output encoder.
-    pub const fn sees(row: usize) -> bool {
+    pub const fn has_output(row: usize) -> bool {
         (row / Self::COUNT) % 2 == 1
     }
 
     /// The set of gains, or row of standard deviations, that belongs to it.
     #[inline(always)]
-    pub const fn row(self, output: bool, bent: bool) -> usize {
+    pub const fn row(self, output: bool, hardened: bool) -> usize {
         self as usize
             + if output { Self::COUNT } else { 0 }
-            + if bent { 2 * Self::COUNT } else { 0 }
+            + if hardened { 2 * Self::COUNT } else { 0 }
     }
 }
 
@@ -145,15 +145,15 @@ pub struct Level<const N: usize> {
     /// The same of every mass behind a stage.
     pub stages: [[f64; 2]; N],
     /// Share by which the running mean of the rotor's follows it, without and with an output encoder.
-    pub follow: [f64; 2],
+    pub smoothing: [f64; 2],
     /// Weights that make of the innovations of rotor and output angle one number of variance one
-    /// that leans with a torque on the rotor, without and with an output encoder.
-    pub lean: [[f64; 2]; 2],
+    /// in the direction of a torque on the rotor, without and with an output encoder.
+    pub projection: [[f64; 2]; 2],
     /// Change of the level for such a number of one, where friction takes 1 rad/s more than in the
     /// mean, s/rad; without and with an output encoder.
     pub gain: [f64; 2],
     /// How many standard deviations of that number count: more is a load that jumps.
-    pub most_lean: f64,
+    pub most_projection: f64,
     /// Largest deviation believed, as a share of the model's.
     pub most: f64,
 }
@@ -163,10 +163,10 @@ impl<const N: usize> Level<N> {
     pub const NONE: Self = Self {
         rotor: [0.0; 2],
         stages: [[0.0; 2]; N],
-        follow: [0.0; 2],
-        lean: [[0.0; 2]; 2],
+        smoothing: [0.0; 2],
+        projection: [[0.0; 2]; 2],
         gain: [0.0; 2],
-        most_lean: 0.0,
+        most_projection: 0.0,
         most: 0.0,
     };
 }
@@ -185,38 +185,38 @@ pub struct Design<const N: usize> {
     pub level: Level<N>,
     /// Standard deviations that a current may be off before the drive is taken to have put out
     /// another voltage.
-    pub sudden: f64,
+    pub outlier: f64,
     /// What a current of one ampere makes of the rotor's speed in a step, rad/s.
     pub push: f64,
-    /// Samples of motion after which winding and magnets are taken to be known, so that what is
-    /// sudden is no error of theirs.
-    pub sure: u16,
-    /// Wind-up of the last stage from which the gains are those of a bent spring, rad.
-    pub bent: f64,
+    /// Samples of motion after which winding and magnets are taken to be known, so that an
+    /// outlier is no error of theirs.
+    pub confirmed: u16,
+    /// Wind-up of the last stage from which the gains are those of a hardened spring, rad.
+    pub hardened: f64,
     /// One standard deviation of the innovations: A, rad of the rotor, rad of the output.
     pub sigma: [f64; CHANNELS],
     /// How many of them a measurement may be off before it is taken for a glitch.
     pub gate: f64,
     /// Share of the load's slope that is left after a step, by regime.
     pub leak: [f64; Regime::COUNT],
-    /// Weights that make of the innovations one number of variance one that leans with the load,
+    /// Weights that make of the innovations one number of variance one in the direction of the load,
     /// without and with an output encoder.
-    pub lean: [[f64; CHANNELS]; 2],
+    pub projection: [[f64; CHANNELS]; 2],
     /// Share by which the running mean of that number follows it.
-    pub follow: f64,
+    pub smoothing: f64,
     /// From how large a mean on the load has changed.
     pub alarm: f64,
     /// How many steps it is then taken to be changing.
     pub hold: u16,
     /// Share by which the running mean of alarms follows them.
-    pub often: f64,
-    /// From which share of alarms on the load is lively, and for how many steps.
-    pub lively: (f64, u16),
+    pub alarm_rate: f64,
+    /// From which share of alarms on the load is varying, and for how many steps.
+    pub varying: (f64, u16),
     /// Steps after which a start is forgotten, and over which innovations are judged.
     pub settled: u16,
     /// Mean of the sum of squared innovations, in standard deviations, from which on they are too
     /// large for the design; one sample counts four times that at most.
-    pub strange: f64,
+    pub inconsistent: f64,
     /// Largest load believed, Nm.
     pub most_load_nm: f64,
     /// Largest drive believed to be missing, V or A.
@@ -249,7 +249,7 @@ pub(crate) struct Whiten<S: Scalar> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound = ""))]
-pub(crate) struct Brake<S: Scalar> {
+pub(crate) struct Deceleration<S: Scalar> {
     /// In [`TURNS`] steps: for ζ of one,
     pub(crate) bristle: S::Gain,
     /// and for a speed of one.
@@ -264,36 +264,36 @@ pub struct Gains<S: Scalar, const N: usize> {
     pub(crate) sets: [[Column<S::Gain, N>; CHANNELS]; SETS],
     pub(crate) ohm: S::Gain,
     pub(crate) flux: S::Gain,
-    pub(crate) brake: Brake<S>,
+    pub(crate) deceleration: Deceleration<S>,
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    pub(crate) brakes: [Brake<S>; N],
-    pub(crate) braking: [S::Gain; 2],
-    pub(crate) level_lean: [[S::Gain; 2]; 2],
+    pub(crate) decelerations: [Deceleration<S>; N],
+    pub(crate) mean_deceleration: [S::Gain; 2],
+    pub(crate) friction_projection: [[S::Gain; 2]; 2],
     pub(crate) level: [S::Gain; 2],
-    pub(crate) most_level_lean: S,
+    pub(crate) most_friction_projection: S,
     pub(crate) most_level: S,
-    pub(crate) sudden: S,
-    pub(crate) sure: u16,
-    pub(crate) most_sure: u16,
+    pub(crate) outlier: S,
+    pub(crate) confirmed: u16,
+    pub(crate) most_confirmed: u16,
     /// Drive that is missing where one step, or two, left the current off by one,
     pub(crate) missing: [S::Gain; 2],
     /// and what that current has made of the rotor's speed.
     pub(crate) push: [S::Gain; 2],
     /// Share of the final current in the mean of a step, beside the starting one.
     pub(crate) winding: S::Gain,
-    pub(crate) bent: S,
+    pub(crate) hardened: S,
     pub(crate) whiten: [Whiten<S>; CHANNELS],
     pub(crate) leak: [S::Gain; Regime::COUNT],
-    pub(crate) lean: [[S::Gain; CHANNELS]; 2],
-    pub(crate) follow: S::Gain,
+    pub(crate) projection: [[S::Gain; CHANNELS]; 2],
+    pub(crate) smoothing: S::Gain,
     pub(crate) alarm: S,
     pub(crate) hold: u16,
-    pub(crate) often: S::Gain,
-    pub(crate) lively: (S, u16),
+    pub(crate) alarm_rate: S::Gain,
+    pub(crate) varying: (S, u16),
     pub(crate) settled: u16,
     pub(crate) settle: S::Gain,
-    pub(crate) strange: S,
-    pub(crate) most_energy: S,
+    pub(crate) inconsistent: S,
+    pub(crate) most_mean_square: S,
     pub(crate) most_load: S,
     pub(crate) most_bias: S,
     pub(crate) most_ohm: S,
@@ -367,21 +367,21 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             let [a, b, c] = many;
             [column(current, a), column(motor, b), column(output, c)]
         };
-        let lean = |[current, motor, output]: [f64; CHANNELS]| {
+        let projection = |[current, motor, output]: [f64; CHANNELS]| {
             let [a, b, c] = many;
             [S::gain(a * current), S::gain(b * motor), S::gain(c * output)]
         };
         let [by_current, by_motor, by_output] = many;
-        let brake = |[bristle, viscous]: [f64; 2]| Brake {
+        let deceleration = |[bristle, viscous]: [f64; 2]| Deceleration {
             bristle: S::gain(TURNS * bristle / units.speed),
             viscous: S::gain(TURNS * viscous),
         };
         let level = &design.level;
-        let level_lean = |[motor, output]: [f64; 2]| {
+        let friction_projection = |[motor, output]: [f64; 2]| {
             [S::gain(by_motor * motor / SIGMAS), S::gain(by_output * output / SIGMAS)]
         };
-        let [sudden, ..] = sigma;
-        let sudden = (design.sudden.min(design.gate) * sudden).min(MOST_INNOVATION);
+        let [outlier, ..] = sigma;
+        let outlier = (design.outlier.min(design.gate) * outlier).min(MOST_INNOVATION);
         let whiten = sigma.map(|sigma| Whiten {
             per_sigma: S::gain(1.0 / (SIGMAS * sigma)),
             gate: S::from_f64((design.gate * sigma).min(MOST_INNOVATION)),
@@ -405,16 +405,18 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             sets: design.sets.each_ref().map(set),
             ohm: S::gain(TURNS * by_current * design.ohm * units.current),
             flux: S::gain(TURNS * by_current * design.flux * units.speed),
-            brake: brake(level.rotor),
-            brakes: level.stages.map(brake),
-            braking: level.follow.map(|share| S::gain(1.0 - (1.0 - share) * (1.0 - share))),
-            level_lean: level.lean.map(level_lean),
+            deceleration: deceleration(level.rotor),
+            decelerations: level.stages.map(deceleration),
+            mean_deceleration: level
+                .smoothing
+                .map(|share| S::gain(1.0 - (1.0 - share) * (1.0 - share))),
+            friction_projection: level.projection.map(friction_projection),
             level: level.gain.map(|gain| S::gain(SIGMAS * gain * units.speed)),
-            most_level_lean: S::from_f64(level.most_lean / SIGMAS),
+            most_friction_projection: S::from_f64(level.most_projection / SIGMAS),
             most_level: S::from_f64(level.most),
-            sudden: S::from_f64(sudden),
-            sure: design.sure / TURNS as u16,
-            most_sure: 2 * (design.sure / TURNS as u16),
+            outlier: S::from_f64(outlier),
+            confirmed: design.confirmed / TURNS as u16,
+            most_confirmed: 2 * (design.confirmed / TURNS as u16),
             missing: [1.0, 2.0].map(|steps| S::gain(1.0 / reached(motor, step_s, steps))),
             push: [1.0, 2.0].map(|steps| {
                 let mean =
@@ -422,19 +424,19 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
                 S::gain(design.push * mean * units.current / units.speed)
             }),
             winding: S::gain(winding),
-            bent: S::from_f64((design.bent / units.angle_at(N)).abs().min(LARGE)),
+            hardened: S::from_f64((design.hardened / units.angle_at(N)).abs().min(LARGE)),
             whiten,
             leak: design.leak.map(S::gain),
-            lean: design.lean.map(lean),
-            follow: S::gain(design.follow),
+            projection: design.projection.map(projection),
+            smoothing: S::gain(design.smoothing),
             alarm: S::from_f64(design.alarm),
             hold: design.hold,
-            often: S::gain(design.often),
-            lively: (S::from_f64(design.lively.0), design.lively.1),
+            alarm_rate: S::gain(design.alarm_rate),
+            varying: (S::from_f64(design.varying.0), design.varying.1),
             settled: design.settled,
             settle: S::gain(1.0 / f64::from(design.settled.max(2))),
-            strange: S::from_f64(design.strange / (SIGMAS * SIGMAS)),
-            most_energy: S::from_f64(4.0 * design.strange / (SIGMAS * SIGMAS)),
+            inconsistent: S::from_f64(design.inconsistent / (SIGMAS * SIGMAS)),
+            most_mean_square: S::from_f64(4.0 * design.inconsistent / (SIGMAS * SIGMAS)),
             most_load: S::from_f64(design.most_load_nm * libm::fabs(shaft) / units.torque),
             most_bias: S::from_f64(design.most_bias / drive),
             most_ohm: S::from_f64(design.most_ohm),

@@ -2,17 +2,26 @@
 //!
 //! One model step predicts, a few dozen multiply-adds correct: the gains are designed on the host
 //! ([`Design`]) and constant within a [`Regime`], so an update costs a fifth of a full Kalman filter
-//! and always the same. Beside the joint's own state it carries the load torque and its slope, and a
-//! voltage that the drive did not mean to put out, and by how much resistance, flux and friction are
-//! larger than the model's, without which every ohm that is off would pass for a load.
+//! and always the same. Beside the joint's own state it carries the load torque and its slope, a
+//! voltage that the drive did not mean to put out, and the shares by which resistance, flux and
+//! friction exceed the model's, without which a wrong resistance would pass for a load.
 //!
 //! ```text
-//! state ← step(state, u + bias − ohm · R i − flux · k_e ω, load + slope), less level · friction
+//! state ← step(state, u + bias − (resistance R i + flux k_e ω), load + slope), less friction_error · friction
 //! load ← load + slope,  slope ← leak · slope
 //! (state, load, slope, bias) ← … + Σ_c K_c(regime) · (y_c − ŷ_c)/σ_c
-//! ohm ← ohm + K_ohm · i · (y_i − ŷ_i)/σ_i,  flux ← flux + K_flux · ω · (y_i − ŷ_i)/σ_i
-//! level ← level + K_level · (friction − its mean) · Σ_c w_c · (y_c − ŷ_c)/σ_c
+//! resistance ← resistance + K_r · i · (y_i − ŷ_i)/σ_i,  flux ← flux + K_f · ω · (y_i − ŷ_i)/σ_i
+//! friction_error ← friction_error + K_F · (friction − its mean) · Σ_c w_c · (y_c − ŷ_c)/σ_c
 //! ```
+//!
+//! With [`Drive::Current`](crate::joint::Drive::Current) u is the current that the drive imposes; a
+//! measured one corrects nothing then, and resistance and flux stay as they are.
+//!
+//! Sources: steady-state gains, R. E. Kalman, J. Basic Eng. 82(1), 1960; a disturbance as a state,
+//! C. D. Johnson, IEEE Trans. Autom. Control 16(6), 1971, and K. Ohnishi et al., IEEE/ASME Trans.
+//! Mechatronics 1(1), 1996 (disturbance observer); the test of the innovations' running mean, S. W.
+//! Roberts, Technometrics 1(3), 1959; the friction of the prediction, C. Canudas de Wit et al., IEEE
+//! Trans. Autom. Control 40(3), 1995.
 //!
 //! An [`Observer`] never changes; a [`Track`] is what moves. In the drive's interrupt:
 //!
@@ -21,10 +30,12 @@
 //! let estimate = observer.estimate(&track);
 //! ```
 
+mod acquire;
+mod adapt;
 mod estimate;
 mod gains;
 mod health;
-mod look;
+mod innovation;
 mod turn;
 mod update;
 
@@ -66,50 +77,90 @@ pub struct Observer<S: Real, const N: usize, E = ()> {
 pub struct Track<S: Real, const N: usize> {
     /// The joint's state.
     pub state: State<S, N>,
+    /// What acts on the joint and is not measured.
+    pub disturbance: Disturbance<S>,
+    /// What the parameters are found to be off.
+    pub parameters: ParameterErrors<S>,
+    /// Drive that is applied from the last sample on, per-unit.
+    drive: S,
+    /// Running mean of what friction takes of the rotor's speed in a step.
+    mean_deceleration: S,
+    innovation: InnovationMeans<S>,
+    schedule: Schedule<S>,
+    missing: Missing,
+    electrical: Electrical,
+    /// Samples since the start.
+    age: u16,
+    /// Whether this sample adapts friction, else winding and magnets.
+    adapts_friction: bool,
+    last: Sample<S>,
+    status: Status,
+}
+
+/// Disturbance states.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Disturbance<S> {
     /// Load, per-unit at the motor.
     pub load: S,
     /// Its change in a step.
     pub slope: S,
     /// Drive beside the applied one, per-unit.
     pub bias: S,
-    /// Share by which the winding's resistance exceeds the model's, less that of the flux.
-    pub ohm: S,
-    /// Share by which the magnets' flux, and with it k_t and k_e, exceeds the model's.
+}
+
+/// Errors of the model's parameters, as shares of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ParameterErrors<S> {
+    /// Of the winding's resistance, less that of the flux.
+    pub resistance: S,
+    /// Of the magnets' flux, and with it of k_t and k_e.
     pub flux: S,
-    /// Share by which friction exceeds the model's.
-    pub level: S,
-    /// Running mean of what friction takes of the rotor's speed in a step.
-    braking: S,
-    /// Samples for which the current was as the model has it, and how many it was when first it was
-    /// not.
-    sure: u16,
-    unsure: u16,
-    /// Drive that is applied from the last sample on, per-unit.
-    drive: S,
-    /// Running mean of the innovations' lean.
-    lean: S,
-    /// Steps left in [`Regime::Alert`].
-    alert: u16,
-    /// Running share of alarms, and steps left in [`Regime::Lively`].
-    often: S,
-    lively: u16,
-    /// Steps for which friction has held the rotor, and until a rest is forgotten.
-    held: u16,
-    rested: u16,
-    /// Whose turn it is of what is slow: friction's and the rotor's, else the motor's and the gear's.
-    even: bool,
-    /// Running mean of the innovations' square, and how long it has been too large.
-    energy: S,
-    /// Rotor angles one after the other that were not believed.
-    doubts: u16,
-    /// Samples since the last rotor angle that was believed.
-    missed: u16,
-    /// Samples since the last output angle that was believed.
-    output_missed: u16,
-    /// Samples since the start.
-    age: u16,
-    last: Sample<S>,
-    status: Status,
-    row: u8,
+    /// Of all friction.
+    pub friction: S,
+}
+
+/// Running means of the innovations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct InnovationMeans<S> {
+    /// Of their projection on the load: it has changed where this leaves its noise.
+    projection: S,
+    /// Of their square: the model does not hold where this stays too large.
+    square: S,
+}
+
+/// Which gains are in use, and for how long.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Schedule<S> {
     regime: Regime,
+    row: u8,
+    /// Steps left in [`Regime::Transient`].
+    transient: u16,
+    /// Running share of samples at which the load was found to change.
+    alarm_rate: S,
+    /// Steps left in [`Regime::Varying`].
+    varying: u16,
+    /// Steps for which friction has held the rotor.
+    held: u16,
+    /// Steps until a rest is forgotten.
+    after_rest: u16,
+}
+
+/// Samples that brought no angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Missing {
+    /// Rotor angles one after the other that were rejected.
+    rejected: u16,
+    /// Samples since the last rotor angle that was accepted.
+    motor: u16,
+    /// Samples since the last output angle that was accepted.
+    output: u16,
+}
+
+/// How well winding and magnets are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Electrical {
+    /// Samples of motion at which the current was as the model has it.
+    confirmed: u16,
+    /// The same at the last outlier.
+    at_outlier: u16,
 }

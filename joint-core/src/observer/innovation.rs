@@ -1,8 +1,8 @@
-//! What an update believes of a sample.
+//! Innovations, and the rejection of what is no measurement.
 //!
 //! A drive's interrupt meets samples lost or repeated, encoders that jump, current sensors at their end
 //! and supplies that dip. What is no measurement is flagged and gives no innovation; a voltage that was
-//! not the one asked for is taken for what it is.
+//! not the one asked for is estimated at once.
 
 use super::gains::{CHANNELS, Gains, Whiten};
 use super::health::Status;
@@ -12,50 +12,58 @@ use crate::effect::Effects;
 use crate::joint::State;
 use crate::scalar::Real;
 
-/// Surprises after which winding and magnets are no longer taken to be known: a dip under a drive that
+/// Outliers after which winding and magnets are no longer taken to be known: a dip under a drive that
 /// moves has dozens.
-const SURPRISES: u16 = 64;
+const OUTLIERS: u16 = 64;
 
-/// What an update sees of a sample.
+/// What a sample shows beside the estimate.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Looked<S> {
-    pub(super) found: [S; CHANNELS],
+pub(super) struct Innovations<S> {
+    pub(super) innovations: [S; CHANNELS],
     pub(super) status: Status,
-    /// Whether no rotor angle was believed.
-    pub(super) blind: bool,
+    /// Whether no rotor angle was accepted.
+    pub(super) unmeasured: bool,
 }
 
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
-    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none to believe; and the flags that
+    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none; and the flags that
     /// go with them.
     #[inline(always)]
-    pub(super) fn innovations(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Looked<S> {
+    pub(super) fn innovations(
+        &self,
+        track: &mut Track<S, N>,
+        sample: &Sample<S>,
+    ) -> Innovations<S> {
         let gains = &self.gains;
         let [by_current, by_motor, by_output] = &gains.whiten;
         let mut status = Status::OK;
-        let mut blind = true;
-        let mut found = [S::ZERO; CHANNELS];
-        let [current, motor, output] = &mut found;
+        let mut unmeasured = true;
+        let mut innovations = [S::ZERO; CHANNELS];
+        let [current, motor, output] = &mut innovations;
 
         let ahead = sample.motor.map(|turn| motor_ahead(&self.joint.effects, &track.state, turn));
         match ahead {
             Some(ahead) if ahead.abs() <= by_motor.gate => {
                 *motor = ahead.times(by_motor.per_sigma);
-                track.missed = 0;
-                track.doubts = 0;
-                blind = false;
+                track.missing.motor = 0;
+                track.missing.rejected = 0;
+                unmeasured = false;
             }
             Some(_) if repeats(sample, &track.last) => {
-                track.missed = track.missed.saturating_add(1);
-                return Looked { status: Status::REPEATED, blind: true, ..Looked::default() };
+                track.missing.motor = track.missing.motor.saturating_add(1);
+                return Innovations {
+                    status: Status::REPEATED,
+                    unmeasured: true,
+                    ..Innovations::default()
+                };
             }
             Some(_) => {
                 status = status.with(Status::GLITCH);
-                track.doubts = track.doubts.saturating_add(1);
+                track.missing.rejected = track.missing.rejected.saturating_add(1);
             }
             None => {
                 status = status.with(Status::COASTING);
-                track.missed = track.missed.saturating_add(1);
+                track.missing.motor = track.missing.motor.saturating_add(1);
             }
         }
 
@@ -66,24 +74,24 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 output_ahead(&self.joint.effects, gains, self.joint.turns, &track.state, turn);
             if ahead.abs() <= by_output.gate {
                 *output = ahead.times(by_output.per_sigma);
-                track.output_missed = 0;
+                track.missing.output = 0;
             } else {
                 status = status.with(Status::GLITCH);
-                track.output_missed = track.output_missed.saturating_add(1);
+                track.missing.output = track.missing.output.saturating_add(1);
             }
         } else {
-            track.output_missed = track.output_missed.saturating_add(1);
+            track.missing.output = track.missing.output.saturating_add(1);
         }
 
         if !self.joint.current_imposed {
             match sample.current.map(|amperes| amperes.times(gains.per_ampere)) {
                 Some(measured) if measured.abs() < gains.most_current => {
                     // Currents are those that give their torque with the model's flux.
-                    let measured = measured + measured * track.flux;
+                    let measured = measured + measured * track.parameters.flux;
                     let shown = self.joint.effects.measured_current(track.state.current);
                     let ahead = measured - shown;
-                    let ahead = match ahead.abs() > gains.sudden {
-                        true => self.surprised(track, ahead),
+                    let ahead = match ahead.abs() > gains.outlier {
+                        true => self.electrical_outlier(track, ahead),
                         false => ahead,
                     };
                     *current = ahead.times(by_current.per_sigma);
@@ -95,9 +103,9 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         // Four standard deviations.
         let eighth = S::HALF * S::HALF * S::HALF;
         if motor.abs() > eighth * S::HALF && repeats(sample, &track.last) {
-            return Looked { status: Status::REPEATED, ..Looked::default() };
+            return Innovations { status: Status::REPEATED, ..Innovations::default() };
         }
-        Looked { found, status, blind }
+        Innovations { innovations, status, unmeasured }
     }
 
     /// A current that is off by more than the design has it: what there is to correct by.
@@ -107,35 +115,37 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// dips is neither a load nor a resistance.
     #[cold]
     #[inline(never)]
-    fn surprised(&self, track: &mut Track<S, N>, ahead: S) -> S {
+    fn electrical_outlier(&self, track: &mut Track<S, N>, ahead: S) -> S {
         let gains = &self.gains;
-        let second = track.sure == track.unsure;
-        track.sure = track.sure.saturating_sub(gains.sure / SURPRISES + 1);
-        if track.sure < gains.sure {
+        let second = track.electrical.confirmed == track.electrical.at_outlier;
+        track.electrical.confirmed =
+            track.electrical.confirmed.saturating_sub(gains.confirmed / OUTLIERS + 1);
+        if track.electrical.confirmed < gains.confirmed {
             let [Whiten { gate, .. }, ..] = gains.whiten;
             return if ahead.abs() > gate { at_bound(ahead, gate) } else { ahead };
         }
-        let calm = self.calm(track);
-        track.energy = gains.most_energy;
-        track.unsure = if calm { track.sure } else { u16::MAX };
-        if calm {
+        let undisturbed = self.undisturbed(track);
+        track.innovation.square = gains.most_mean_square;
+        track.electrical.at_outlier =
+            if undisturbed { track.electrical.confirmed } else { u16::MAX };
+        if undisturbed {
             return S::ZERO;
         }
         let ([missing, missing_twice], [push, push_twice]) = (gains.missing, gains.push);
         let (missing, push) = if second { (missing_twice, push_twice) } else { (missing, push) };
-        let (before, State { current, rotor, .. }) = (track.bias, &mut track.state);
+        let (before, State { current, rotor, .. }) = (track.disturbance.bias, &mut track.state);
         *current = *current + ahead;
         rotor.speed = rotor.speed + ahead.times(push);
         let bias = before + ahead.times(missing);
         // What little is left of it is what the estimate was off: the dip is over.
-        track.bias = if bias.abs() < before.abs().eighth() { S::ZERO } else { bias };
+        track.disturbance.bias = if bias.abs() < before.abs().eighth() { S::ZERO } else { bias };
         S::ZERO
     }
 
-    /// Whether no surprise was a short time ago.
+    /// Whether the current was no outlier a short time ago.
     #[inline(always)]
-    pub(super) fn calm(&self, track: &Track<S, N>) -> bool {
-        track.energy + track.energy <= self.gains.most_energy
+    pub(super) fn undisturbed(&self, track: &Track<S, N>) -> bool {
+        track.innovation.square + track.innovation.square <= self.gains.most_mean_square
     }
 }
 

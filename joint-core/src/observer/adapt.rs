@@ -1,0 +1,99 @@
+//! What is slow: the errors of resistance, flux and friction.
+//!
+//! A current's innovation goes with the current where the resistance is off, with the speed where the
+//! flux is; a load shows in neither so. Friction is told from a load by its reversals. Products of
+//! innovation and regressor are the gradient of the squared innovation (L. Ljung and T. Söderström,
+//! Theory and Practice of Recursive Identification, 1983, section 3.4); the step sizes are the ratios of
+//! a Kalman filter's own gains to the regressors.
+
+use super::gains::{CHANNELS, Deceleration, Regime};
+use super::update::{STILL, bounded};
+use super::{Observer, Track};
+use crate::effect::Effects;
+use crate::joint::{Mass, State};
+use crate::scalar::Real;
+
+/// A sample by which parameters are adapted.
+pub(super) struct Adapting<'a, S> {
+    pub(super) innovations: &'a [S; CHANNELS],
+    /// Current and rotor speed before they were corrected.
+    pub(super) running: [S; 2],
+    /// What friction takes of the rotor's speed beside its running mean.
+    pub(super) beside: S,
+    pub(super) held: bool,
+    pub(super) output: bool,
+}
+
+impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
+    /// Lets the friction act that the model has not, on the rotor and on what is behind it by turns.
+    /// Answers with what the rotor's friction took beside its running mean, every other time.
+    #[inline(always)]
+    pub(super) fn decelerate(&self, track: &mut Track<S, N>) -> S {
+        let (gains, error) = (&self.gains, track.parameters.friction);
+        let takes = |own: &Deceleration<S>, mass: &Mass<S>| {
+            mass.bristle.zeta.times(own.bristle) + mass.speed.times(own.viscous)
+        };
+        let State { rotor, stages, .. } = &mut track.state;
+        if !track.adapts_friction {
+            for (stage, own) in stages.iter_mut().zip(&gains.decelerations) {
+                let mass = &mut stage.mass;
+                mass.speed = mass.speed - error * takes(own, mass);
+            }
+            return S::ZERO;
+        }
+        let taken = takes(&gains.deceleration, rotor);
+        rotor.speed = rotor.speed - error * taken;
+        let [without, with] = gains.mean_deceleration;
+        let output = Regime::has_output(usize::from(track.schedule.row));
+        let beside = taken - track.mean_deceleration;
+        track.mean_deceleration =
+            track.mean_deceleration + beside.times(if output { with } else { without });
+        beside
+    }
+
+    /// Half of what is slow, the other half at the next sample; nothing of a drive that does not do as
+    /// it is told. Answers whether something is at its bound.
+    #[inline(always)]
+    pub(super) fn adapt(&self, track: &mut Track<S, N>, by: &Adapting<'_, S>) -> bool {
+        let gains = &self.gains;
+        let adapts = self.undisturbed(track) || track.electrical.confirmed < gains.confirmed;
+        let friction = track.adapts_friction;
+        track.adapts_friction = !friction;
+        if !friction {
+            return adapts && self.adapt_motor(track, by);
+        }
+        let schedule = &mut track.schedule;
+        schedule.after_rest = match schedule.held > STILL {
+            true => gains.settled,
+            false => schedule.after_rest.saturating_sub(2),
+        };
+        let tells = by.output || schedule.regime == Regime::Steady && schedule.after_rest == 0;
+        adapts && tells && !by.held && self.adapt_friction(track, by)
+    }
+
+    #[inline(always)]
+    fn adapt_motor(&self, track: &mut Track<S, N>, by: &Adapting<'_, S>) -> bool {
+        let gains = &self.gains;
+        let ([by_current, ..], [current, speed]) = (by.innovations, by.running);
+        let own = &mut track.parameters;
+        own.resistance = own.resistance + current * by_current.times(gains.ohm);
+        own.flux = own.flux + speed * by_current.times(gains.flux);
+        if !by.held && track.electrical.confirmed < gains.most_confirmed {
+            track.electrical.confirmed += 1;
+        }
+        bounded(&mut own.resistance, gains.most_ohm) | bounded(&mut own.flux, gains.most_flux)
+    }
+
+    #[inline(always)]
+    fn adapt_friction(&self, track: &mut Track<S, N>, by: &Adapting<'_, S>) -> bool {
+        let gains = &self.gains;
+        let ([without, with], [gain, gain_output]) = (&gains.friction_projection, &gains.level);
+        let ([motor, output], gain) = if by.output { (with, gain_output) } else { (without, gain) };
+        let [_, by_motor, by_output] = by.innovations;
+        let mut torque = by_motor.times(*motor) + by_output.times(*output);
+        bounded(&mut torque, gains.most_friction_projection);
+        let own = &mut track.parameters.friction;
+        *own = *own + by.beside * torque.times(*gain);
+        bounded(own, gains.most_level)
+    }
+}
