@@ -223,7 +223,7 @@ impl Fixed {
         Self(I6F26::saturating_from_num(I38F26::from_bits(wide)))
     }
 
-    /// One over a number of at least 1/32, a smaller one taken for that; to 2e-5 of itself, and to the
+    /// One over a number of at least 1/32, a smaller one taken for that; to 4e-6 of itself, and to the
     /// last place at powers of two: a bristle that slips has a level of one, and its damping is a small
     /// difference.
     #[inline(always)]
@@ -232,10 +232,10 @@ impl Fixed {
         let lead = by.leading_zeros() - 1;
         let d = by << lead;
         let mut r = LINE[0] - upper(LINE[1], d);
-        // Newton's steps leave an error on one side; what is added here leaves none at powers of two, where
-        // the line is 1/17 off: o = (1/17² − o)², in units of 2⁻²⁸.
-        for _ in 0..2 {
-            let missing = (1 << 28) + 3192 - upper(d, r);
+        // Newton's steps leave an error on one side: half the first's is taken off, and of the second's
+        // what there is of it at powers of two.
+        for offset in [113 << 12, 101 << 3] {
+            let missing = (1 << 28) + offset - upper(d, r);
             r += upper(r, missing << 4);
         }
         // 1/x is 2^(lead − 5) / D.
