@@ -13,7 +13,7 @@ const SMOOTH: f64 = 1e-3;
 const ROUNDING: f64 = 1e-14;
 
 /// A joint in plain numbers.
-type Plain<const N: usize> = Joint<f64, N, EffectSet<f64>>;
+pub(super) type Plain<const N: usize> = Joint<f64, N, EffectSet<f64>>;
 
 /// Some joints with the same laws at the same places, and the numbers of each in the same order.
 pub(super) struct Alike<'a, const N: usize, const L: usize> {
