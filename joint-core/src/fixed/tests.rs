@@ -118,7 +118,7 @@ fn a_stribeck_curve_falls_and_rises_from_standstill() {
             // The exponential's error, and the inverse's 2e-5 of itself.
             let error = 5e-4 * beta.abs();
             assert!((level.to_f64() - exact).abs() < error + LAST, "{beta} {square}: {level}");
-            let bound = error / (exact * (exact - error)) + 3e-5 / exact;
+            let bound = error / (exact * (exact - error)) + 2e-5 / exact;
             assert!((share.to_f64() - 1.0 + 1.0 / exact).abs() < bound, "{beta} {square}: {share}");
         }
     }

@@ -132,7 +132,7 @@ impl<S: LuGre> Friction<S> {
         let along = levelled(zeta.along(mass.speed));
         mass.bristle.zeta = zeta;
         mass.bristle.slipping = along * curve.slope();
-        let climb = levelled(curve.steepness.nearest(reach.abs()));
+        let climb = levelled(curve.steepness * reach.abs());
         mass.force = -zeta.nearest(self.level + climb.times(self.per_reach));
     }
 

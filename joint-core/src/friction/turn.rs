@@ -55,7 +55,7 @@ impl<S: Relaxation> Turn<S> {
     pub(super) fn applied(turn: Option<&Self>, zeta: S, now: Half<S>) -> S {
         match turn {
             Some(turn) => {
-                let swung = (now.reach - turn.half.reach).nearest(now.slope - turn.half.slope);
+                let swung = (now.reach - turn.half.reach) * (now.slope - turn.half.slope);
                 zeta + zeta.nearest(turn.share + swung.swing())
             }
             None => zeta,

@@ -7,7 +7,7 @@
 //!
 //! Where a format computes a law of the joint in its own way, a small trait stands beside that law:
 //! [`Turns`](crate::angle::Turns), [`Deflection`](crate::gear::Deflection),
-//! [`Stribeck`](crate::friction::Stribeck), [`Relaxation`](crate::friction::Relaxation) and
+//! [`Sums`](crate::motor::Sums), [`Stribeck`](crate::friction::Stribeck), [`Relaxation`](crate::friction::Relaxation) and
 //! [`Damped`](crate::friction::Damped). [`Scalar`](crate::scalar::Scalar) is all of them.
 
 mod elementary;

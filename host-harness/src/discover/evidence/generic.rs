@@ -111,7 +111,9 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let phase = |k: usize| k as f64 * 0.013 + 0.4 * (k as f64 * 0.0017).sin();
         let angle: Vec<f64> = (0..SAMPLES).map(|k| 3.0 * phase(k).sin()).collect();
-        let speed: Vec<f64> = (0..SAMPLES).map(|k| phase(k).cos()).collect();
+        // Its size is another matter than the place: a speed that told the place would be as good a coordinate.
+        let size = |k: usize| 1.0 + 0.9 * (k as f64 * 0.0071).sin();
+        let speed: Vec<f64> = (0..SAMPLES).map(|k| size(k) * phase(k).cos()).collect();
         let mut state = 0.0;
         let noise = (0..SAMPLES).map(|_| {
             state = keep * state + (1.0 - keep * keep).sqrt() * random.random_range(-1.7..1.7);
