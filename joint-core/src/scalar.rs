@@ -3,8 +3,7 @@
 use crate::angle::Turns;
 use crate::friction::{Damped, LuGre};
 use crate::gear::Deflection;
-use crate::motor::Sums;
-use crate::number::{Elementary, Limits};
+use crate::number::{Elementary, Limits, Sums};
 use crate::work::Wide;
 
 /// A number in which every law of the joint can be computed: a [`Number`](crate::number::Number), and

@@ -11,8 +11,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 use joint_core::angle::Turns;
 use joint_core::friction::{Damped, Relaxation, Stribeck};
 use joint_core::gear::Deflection;
-use joint_core::motor::Sums;
-use joint_core::number::{Elementary, Limits, Number, halved, halved_in_part};
+use joint_core::number::{Elementary, Limits, Number, Sums, halved, halved_in_part};
 use joint_core::work::{Wide, Work};
 
 use crate::wide;

@@ -1,4 +1,6 @@
 use super::*;
+use crate::angle::Turns;
+use crate::friction::{Relaxation, Stribeck};
 
 fn sweep(low: f64, high: f64) -> impl Iterator<Item = f64> {
     (0..=4000).map(move |k| low + (high - low) * f64::from(k) / 4000.0)

@@ -10,8 +10,6 @@ pub mod back_emf;
 pub mod commutation;
 mod dc_equivalent;
 pub mod inverter;
-mod sums;
 pub mod three_phase;
 
 pub(crate) use dc_equivalent::RotorKick;
-pub use sums::Sums;

@@ -7,16 +7,18 @@
 //!
 //! Where a format computes a law of the joint in its own way, a small trait stands beside that law:
 //! [`Turns`](crate::angle::Turns), [`Deflection`](crate::gear::Deflection),
-//! [`Sums`](crate::motor::Sums), [`Stribeck`](crate::friction::Stribeck), [`Relaxation`](crate::friction::Relaxation) and
-//! [`Damped`](crate::friction::Damped). [`Scalar`](crate::scalar::Scalar) is all of them.
+//! [`Stribeck`](crate::friction::Stribeck), [`Relaxation`](crate::friction::Relaxation) and
+//! [`Damped`](crate::friction::Damped); [`Sums`] is what the kick asks for. [`Scalar`](crate::scalar::Scalar) is all of them.
 
 mod elementary;
 mod floats;
 mod limits;
+mod sums;
 
 pub(crate) use elementary::horner;
 pub use elementary::{Elementary, halved, halved_in_part};
 pub use limits::Limits;
+pub use sums::Sums;
 
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};

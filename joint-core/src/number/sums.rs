@@ -1,6 +1,6 @@
-//! The sums of a kick of rotor and winding.
+//! Sums of products with constants: the kick of rotor and winding asks for them.
 
-use crate::number::Number;
+use super::Number;
 
 /// How a format sums the products of a kick: fixed point gives the constants of one sum one exponent and
 /// rounds the sum, where single products would each be shifted and rounded.
