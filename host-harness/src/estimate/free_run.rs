@@ -17,8 +17,7 @@ use crate::plant::{BuildError, plant};
 pub fn stretches(record: &Record, mask: &[bool]) -> Vec<Range<usize>> {
     let mut all = Vec::new();
     let mut begun: Option<usize> = None;
-    for k in 0..=record.len() {
-        let inside = k < record.len() && mask[k];
+    for (k, inside) in mask.iter().copied().chain([false]).enumerate() {
         if let Some(start) = begun
             && (!inside || record.starts.contains(&k))
         {
@@ -93,7 +92,9 @@ mod tests {
         let record = Record::join(&[log], None).unwrap();
         let noise = expected(&truth, &record);
         let half = record.len() / 2;
-        let runs = |model: &Model| errors(model, &record, &noise, &[half..half + 300]).unwrap();
+        let stretch = half..half + 300;
+        let runs =
+            |model: &Model| errors(model, &record, &noise, std::slice::from_ref(&stretch)).unwrap();
         let mut wrong = truth.clone();
         wrong.motor.torque_constant_nm_per_a *= 1.1;
         let (right, wrong) = (runs(&truth), runs(&wrong));

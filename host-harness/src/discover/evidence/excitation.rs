@@ -19,7 +19,7 @@ pub(in super::super) fn cannot_tell(record: &Record) -> Vec<String> {
     let [low, high] = ends(&angles);
     let steps = angles.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let count = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    if !(high - low > 0.0) {
+    if high <= low {
         return vec![
             "motor_angle_rad never changes: a joint at rest fits every model of it; drive it \
              through reversals, at several speeds"

@@ -17,7 +17,7 @@ impl Grid {
         let finite = values.iter().copied().filter(|value| value.is_finite());
         let ends = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = finite.fold(ends, |(low, high), x| (low.min(x), high.max(x)));
-        if !(high > low) || !(high - low).is_finite() || knots < 2 {
+        if high <= low || !(high - low).is_finite() || knots < 2 {
             return None;
         }
         let last = knots - 1;
