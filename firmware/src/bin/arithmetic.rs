@@ -22,6 +22,10 @@ mod on_board {
     type Function = fn(f32) -> f32;
     type Operation = fn(Fixed, Fixed) -> Fixed;
     type Scaling = fn(Fixed, Gain, I16F16) -> Fixed;
+    /// A row of the table: name, what is counted, what it should give, and over which range.
+    type FloatRow = (&'static str, Function, fn(f64) -> f64, [f32; 2]);
+    /// The same of two words.
+    type FixedRow = (&'static str, Operation, fn(f64, f64) -> f64);
 
     /// Functions as they are called, none inlined into its measurement.
     macro_rules! functions {
@@ -80,7 +84,7 @@ mod on_board {
         let exp = |x: f64| libm::exp(-x);
         let sin = |x: f64| libm::sin(TAU * x);
         let inverse_sqrt = |x: f64| 1.0 / libm::sqrt(x);
-        let floats: [(&str, Function, fn(f64) -> f64, [f32; 2]); 16] = [
+        let floats: [FloatRow; 16] = [
             ("call", same, |x| x, [0.0, 1.0]),
             ("exp_joint", exp_joint, exp, [0.0, 12.0]),
             ("exp_libm", exp_libm, exp, [0.0, 12.0]),
@@ -103,7 +107,7 @@ mod on_board {
         }
         let sum = |a: f64, b: f64| a + b;
         let product = |a: f64, b: f64| a * b;
-        let operations: [(&str, Operation, fn(f64, f64) -> f64); 13] = [
+        let operations: [FixedRow; 13] = [
             ("fixed_call", first, |a, _| a),
             ("add_joint", add_joint, sum),
             ("add_crate", add_crate, sum),

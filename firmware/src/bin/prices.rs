@@ -18,9 +18,8 @@ mod on_board {
     use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind};
     use joint_core::friction::Stribeck;
     use joint_core::joint::{Drive, Joint, Method, Settings};
-    use joint_core::number::Number;
     use joint_core::params::{Load, Stage};
-    use joint_core::scalar::{Real, Scalar};
+    use joint_core::scalar::Real;
     use micromath::F32Ext;
     use semihosting::println;
 
