@@ -330,7 +330,8 @@ impl Number for Fixed {
 
 impl Sums for Fixed {
     /// Of one exponent, so that no sum of products leaves 64 bits; constants of an eighth or more together
-    /// are in steps of 2⁻²⁰ and stop at 512, which no motor comes near in one kick.
+    /// are in steps of 2⁻²⁰ and stop at 512, which neither a kick nor a
+    /// correction comes near.
     fn gains<const K: usize>(values: [f64; K]) -> [Gain; K] {
         let whole = Self::gain(values.iter().map(|value| libm::fabs(*value)).sum());
         if whole.power == 0 {
@@ -346,6 +347,12 @@ impl Sums for Fixed {
     #[inline(always)]
     fn weighed(self, gain: Gain) -> Fixed {
         gain.summed(gain.product(self))
+    }
+    #[inline(always)]
+    fn weighed_sum<const K: usize>(terms: [(Fixed, &Gain); K]) -> Fixed {
+        let products = terms.iter().map(|(value, gain)| gain.product(*value));
+        let sum = products.fold(0, i64::wrapping_add);
+        terms.last().map_or(Self::ZERO, |(_, gain)| gain.summed(sum))
     }
     #[inline(always)]
     fn gained(plus: [(Fixed, &Gain); 3], minus: (Fixed, &Gain)) -> Fixed {

@@ -1,8 +1,8 @@
-//! Sums of products with constants: the kick of rotor and winding asks for them.
+//! Sums of products with constants: a kick of rotor and winding, a correction by every sensor.
 
 use super::Number;
 
-/// How a format sums the products of a kick: fixed point gives the constants of one sum one exponent and
+/// How a format sums products: fixed point gives the constants of one sum one exponent and
 /// rounds the sum, where single products would each be shifted and rounded.
 pub trait Sums: Number {
     /// The constants of one sum; the other functions here take no others.
@@ -14,6 +14,13 @@ pub trait Sums: Number {
     #[inline(always)]
     fn weighed(self, gain: Self::Gain) -> Self {
         self.times(gain)
+    }
+
+    /// Sum of products.
+    #[inline(always)]
+    fn weighed_sum<const K: usize>(terms: [(Self, &Self::Gain); K]) -> Self {
+        let products = terms.iter().map(|(value, gain)| value.times(**gain));
+        products.reduce(|sum, product| sum + product).unwrap_or(Self::ZERO)
     }
 
     /// What a kick makes of a speed: three products less one.

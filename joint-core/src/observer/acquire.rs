@@ -4,7 +4,6 @@
 //! therefore measured first, over one step where that is enough for its speed and over a few else.
 
 use super::innovation::motor_ahead;
-use super::update::MOST_OUTPUT_COASTED;
 use super::{
     Disturbance, Electrical, InnovationMeans, Missing, Observer, ParameterErrors, Sample, Schedule,
     Status, Track,
@@ -12,6 +11,8 @@ use super::{
 use crate::effect::Effects;
 use crate::scalar::Real;
 
+/// Samples without an output angle after which the gains are those without that encoder.
+pub(super) const MOST_OUTPUT_COASTED: u16 = 3;
 /// Steps over which the first speed is measured where one step is too short for it.
 pub(super) const FIRST: u16 = 8;
 

@@ -7,11 +7,14 @@
 //! a Kalman filter's own gains to the regressors.
 
 use super::gains::{CHANNELS, Deceleration, Regime};
-use super::update::{STILL, bounded};
+use super::innovation::bounded;
 use super::{Observer, Track};
 use crate::effect::Effects;
 use crate::joint::{Mass, State};
 use crate::scalar::Real;
+
+/// Steps for which friction must have held the rotor before that is a rest and no reversal.
+pub(super) const STILL: u16 = 10;
 
 /// A sample by which parameters are adapted.
 pub(super) struct Adapting<'a, S> {
@@ -31,7 +34,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     pub(super) fn decelerate(&self, track: &mut Track<S, N>) -> S {
         let (gains, error) = (&self.gains, track.parameters.friction);
         let takes = |own: &Deceleration<S>, mass: &Mass<S>| {
-            mass.bristle.zeta.times(own.bristle) + mass.speed.times(own.viscous)
+            S::weighed_sum([(mass.bristle.zeta, &own.bristle), (mass.speed, &own.viscous)])
         };
         let State { rotor, stages, .. } = &mut track.state;
         if !track.adapts_friction {
@@ -90,7 +93,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let ([without, with], [gain, gain_output]) = (&gains.friction_projection, &gains.level);
         let ([motor, output], gain) = if by.output { (with, gain_output) } else { (without, gain) };
         let [_, by_motor, by_output] = by.innovations;
-        let mut torque = by_motor.times(*motor) + by_output.times(*output);
+        let mut torque = S::weighed_sum([(*by_motor, motor), (*by_output, output)]);
         bounded(&mut torque, gains.most_friction_projection);
         let own = &mut track.parameters.friction;
         *own = *own + by.beside * torque.times(*gain);

@@ -4,6 +4,7 @@
 //! them ([`Design`]), and turned once into the joint's own units ([`Gains`]), which travel in the
 //! parameter block.
 
+use crate::observer::column::{Column, StageRow, summed};
 use crate::observer::turn::Geared;
 use crate::params::{Motor, Stage};
 use crate::per_unit::Bases;
@@ -45,56 +46,6 @@ impl Regime {
             + if output { Self::COUNT } else { 0 }
             + if hardened { 2 * Self::COUNT } else { 0 }
     }
-}
-
-/// One value for every quantity that the observer corrects. Bristles are not among them: what a
-/// sensor says of them is lost in what it says of the speeds that drive them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = "G: crate::number::Wire"))]
-pub struct Column<G, const N: usize> {
-    /// Current, A.
-    pub current: G,
-    /// Rotor angle, rad.
-    pub angle: G,
-    /// Rotor speed, rad/s.
-    pub speed: G,
-    /// The stages, reflected to the motor.
-    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    pub stages: [StageRow<G>; N],
-    /// Load torque at the output, Nm.
-    pub load: G,
-    /// Its change in a step, Nm.
-    pub slope: G,
-    /// Drive beside the applied one, V (A where the current is imposed).
-    pub bias: G,
-}
-
-impl<G: Copy, const N: usize> Column<G, N> {
-    /// The same value for everything.
-    pub fn filled(value: G) -> Self {
-        let row = StageRow { deflection: value, speed: value };
-        Self {
-            current: value,
-            angle: value,
-            speed: value,
-            stages: [row; N],
-            load: value,
-            slope: value,
-            bias: value,
-        }
-    }
-}
-
-/// One value for every quantity of a stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = "G: crate::number::Wire"))]
-pub struct StageRow<G> {
-    /// Deflection of its spring, rad.
-    pub deflection: G,
-    /// Speed of the mass behind it, rad/s.
-    pub speed: G,
 }
 
 /// One standard deviation of everything that is estimated, each at its own side.
@@ -351,34 +302,33 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             *many *= sigma / own;
         }
         let column = |c: &Column<f64, N>, many: f64| Column {
-            current: S::gain(many * c.current / units.current),
-            angle: S::gain(many * c.angle / turn),
-            speed: S::gain(many * c.speed / units.speed),
+            current: many * c.current / units.current,
+            angle: many * c.angle / turn,
+            speed: many * c.speed / units.speed,
             stages: c.stages.map(|row| StageRow {
-                deflection: S::gain(many * row.deflection / units.angle),
-                speed: S::gain(many * row.speed / units.speed),
+                deflection: many * row.deflection / units.angle,
+                speed: many * row.speed / units.speed,
             }),
-            load: S::gain(many * c.load * shaft / units.torque),
-            slope: S::gain(many * c.slope * shaft / units.torque),
-            bias: S::gain(many * c.bias / drive),
+            load: many * c.load * shaft / units.torque,
+            slope: many * c.slope * shaft / units.torque,
+            bias: many * c.bias / drive,
         };
-        let set = |set: &[Column<f64, N>; CHANNELS]| {
-            let [current, motor, output] = set;
+        let set = |[current, motor, output]: &[Column<f64, N>; CHANNELS]| {
             let [a, b, c] = many;
-            [column(current, a), column(motor, b), column(output, c)]
+            summed::<S, N>(&[column(current, a), column(motor, b), column(output, c)])
         };
         let projection = |[current, motor, output]: [f64; CHANNELS]| {
             let [a, b, c] = many;
-            [S::gain(a * current), S::gain(b * motor), S::gain(c * output)]
+            S::gains([a * current, b * motor, c * output])
         };
         let [by_current, by_motor, by_output] = many;
-        let deceleration = |[bristle, viscous]: [f64; 2]| Deceleration {
-            bristle: S::gain(TURNS * bristle / units.speed),
-            viscous: S::gain(TURNS * viscous),
+        let deceleration = |[bristle, viscous]: [f64; 2]| {
+            let [bristle, viscous] = S::gains([TURNS * bristle / units.speed, TURNS * viscous]);
+            Deceleration { bristle, viscous }
         };
         let level = &design.level;
         let friction_projection = |[motor, output]: [f64; 2]| {
-            [S::gain(by_motor * motor / SIGMAS), S::gain(by_output * output / SIGMAS)]
+            S::gains([by_motor * motor / SIGMAS, by_output * output / SIGMAS])
         };
         let [outlier, ..] = sigma;
         let outlier = (design.outlier.min(design.gate) * outlier).min(MOST_INNOVATION);

@@ -190,3 +190,13 @@ fn output_ahead<S: Real, const N: usize, E: Effects<S>>(
 pub(super) fn at_bound<S: Real>(value: S, most: S) -> S {
     if value < S::ZERO { -most } else { most }
 }
+
+/// Holds a value to its bound; answers whether it was past it.
+#[inline(always)]
+pub(super) fn bounded<S: Real>(value: &mut S, most: S) -> bool {
+    let past = value.abs() > most;
+    if past {
+        *value = at_bound(*value, most);
+    }
+    past
+}

@@ -32,6 +32,7 @@
 
 mod acquire;
 mod adapt;
+mod column;
 mod estimate;
 mod gains;
 mod health;
@@ -39,8 +40,9 @@ mod innovation;
 mod turn;
 mod update;
 
+pub use column::{Column, StageRow};
 pub use estimate::Estimate;
-pub use gains::{CHANNELS, Column, Design, Gains, Level, Regime, SETS, Spread, StageRow, winding};
+pub use gains::{CHANNELS, Design, Gains, Level, Regime, SETS, Spread, winding};
 pub use health::Status;
 pub use turn::{Encoder, Geared, Turn};
 

@@ -3,11 +3,12 @@
 //! What of a sample is rejected does not enter the state; it raises a flag, the estimates stay within
 //! their bounds, and the next good sample is taken up without a reset.
 
-use super::acquire::FIRST;
-use super::adapt::Adapting;
-use super::gains::{CHANNELS, Column, Regime};
+use super::acquire::{FIRST, MOST_OUTPUT_COASTED};
+use super::adapt::{Adapting, STILL};
+use super::column::Column;
+use super::gains::{CHANNELS, Regime};
 use super::health::Status;
-use super::innovation::{Innovations, at_bound};
+use super::innovation::{Innovations, bounded};
 use super::{Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::{Input, State};
@@ -17,10 +18,6 @@ use crate::scalar::Real;
 const MOST_REJECTED: u16 = 4;
 /// Samples without a rotor angle after which there is no estimate.
 const MOST_COASTED: u16 = 500;
-/// Samples without an output angle after which the gains are those without that encoder.
-pub(super) const MOST_OUTPUT_COASTED: u16 = 3;
-/// Steps for which friction must have held the rotor before that is a rest and no reversal.
-pub(super) const STILL: u16 = 10;
 
 impl<S: Real, const N: usize> Track<S, N> {
     /// What the last update said of itself.
@@ -103,13 +100,11 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     fn detect(&self, track: &mut Track<S, N>, innovations: &[S; CHANNELS], output: bool) {
         let gains = &self.gains;
-        let mut projection = S::ZERO;
-        let mut square = S::ZERO;
         let [without, with] = &gains.projection;
-        for (innovation, weight) in innovations.iter().zip(if output { with } else { without }) {
-            projection = projection + innovation.times(*weight);
-            square = square + *innovation * *innovation;
-        }
+        let [a, b, c] = if output { with } else { without };
+        let [by_current, by_motor, by_output] = *innovations;
+        let projection = S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]);
+        let square = by_current * by_current + by_motor * by_motor + by_output * by_output;
         let square = if square > gains.most_mean_square { gains.most_mean_square } else { square };
         let mean = &mut track.innovation;
         mean.projection = mean.projection + (projection - mean.projection).times(gains.smoothing);
@@ -192,28 +187,31 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         innovations: &[S; CHANNELS],
     ) {
         let [by_current, by_motor, by_output] = *innovations;
-        let sum = |a: S::Gain, b: S::Gain, c: S::Gain| {
-            let both = by_current.times(a) + by_motor.times(b);
-            if N > 0 { both + by_output.times(c) } else { both }
+        let both = |a, b| S::weighed_sum([(by_current, a), (by_motor, b)]);
+        let sum = |a, b, c| match N {
+            0 => both(a, b),
+            _ => S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]),
         };
         macro_rules! sum {
-            ($($field:tt)+) => { sum(first.$($field)+, second.$($field)+, third.$($field)+) };
+            ($field:ident) => {
+                sum(&first.$field, &second.$field, &third.$field)
+            };
         }
         let State { current, angle, rotor, stages, .. } = &mut track.state;
         // The winding settles faster than an angle tells of it: the output's has no say in what is
         // electrical.
-        *current = *current + (by_current.times(first.current) + by_motor.times(second.current));
+        *current = *current + both(&first.current, &second.current);
         // The next step's sum wraps it.
         angle.part = angle.part + sum!(angle);
         rotor.speed = rotor.speed + sum!(speed);
         let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
         let mut before = &mut rotor.force;
         for ((stage, own), ((a, b), c)) in stages.iter_mut().zip(&self.joint.stages).zip(rows) {
-            let wound = sum(a.deflection, b.deflection, c.deflection);
+            let wound = sum(&a.deflection, &b.deflection, &c.deflection);
             let torque = own.spring.slope(stage.deflection) * wound;
             stage.deflection = stage.deflection + wound;
             let mass = &mut stage.mass;
-            mass.speed = mass.speed + sum(a.speed, b.speed, c.speed);
+            mass.speed = mass.speed + sum(&a.speed, &b.speed, &c.speed);
             *before = *before - torque;
             mass.force = mass.force + torque;
             before = &mut mass.force;
@@ -221,16 +219,6 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let own = &mut track.disturbance;
         own.load = own.load + sum!(load);
         own.slope = own.slope + sum!(slope);
-        own.bias = own.bias + (by_current.times(first.bias) + by_motor.times(second.bias));
+        own.bias = own.bias + both(&first.bias, &second.bias);
     }
-}
-
-/// Holds a value to its bound; answers whether it was past it.
-#[inline(always)]
-pub(super) fn bounded<S: Real>(value: &mut S, most: S) -> bool {
-    let past = value.abs() > most;
-    if past {
-        *value = at_bound(*value, most);
-    }
-    past
 }
