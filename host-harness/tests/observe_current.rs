@@ -99,7 +99,8 @@ fn bounded(name: &str, found: &[Found<2>]) {
         let e = &f.estimate;
         let all = [e.load, e.motor_velocity, e.total_friction, e.windup[0], e.windup[1]];
         assert!(all.iter().all(|v| v.is_finite()), "{name} at {k}: {e:?}");
-        assert!(e.load.abs() <= 4.1 * LOAD_NM, "{name} at {k}: load {}", e.load);
+        // Four times the rating is where the design holds the load; the last place is an f32's.
+        assert!(e.load.abs() <= 4.0001 * LOAD_NM, "{name} at {k}: load {}", e.load);
     }
 }
 
@@ -107,8 +108,8 @@ fn bounded(name: &str, found: &[Found<2>]) {
 fn a_log_with_a_current_alone_gives_speed_output_and_load() {
     for output in [true, false] {
         let (motion, log) = recorded(output);
-        // The best full filter with constant noise, and half more: gains are constant within a regime,
-        // and bristles are not corrected.
+        // A guard: gains that are constant within a regime cost a third of the best full filter's error
+        // here and under voltage (docs/observer.md). Half is a regression.
         let most = 1.5 * full_filter(&motion, output);
         for scalar in [ScalarKind::F32, ScalarKind::Fixed] {
             let found = found(&log, scalar);

@@ -87,11 +87,14 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     fn repeated(&self, track: &mut Track<S, N>, unmeasured: bool) -> Status {
         let silent = unmeasured && track.missing.motor > MOST_COASTED;
+        // The slope of the load goes on.
+        let at_bound = self.bound(track);
         if silent {
             self.restart(track);
         }
         Status::REPEATED
             .with_if(silent, Status::LOST)
+            .with_if(at_bound, Status::BOUNDED)
             .with_if(track.age < self.gains.settled, Status::STARTING)
     }
 
