@@ -6,7 +6,8 @@
 //! Theory and Practice of Recursive Identification, 1983, section 3.4); the step sizes are the ratios of
 //! a Kalman filter's own gains to the regressors.
 
-use super::gains::{CHANNELS, Deceleration, Regime};
+use super::column::CHANNELS;
+use super::gains::{Deceleration, Regime};
 use super::innovation::bounded;
 use super::{Observer, Track};
 use crate::effect::Effects;

@@ -1,7 +1,9 @@
 //! What one standard deviation of an innovation makes of every quantity that is corrected.
 
-use super::gains::CHANNELS;
 use crate::scalar::Scalar;
+
+/// The measured channels: current, rotor angle, output angle.
+pub const CHANNELS: usize = 3;
 
 /// One value for every quantity that the observer corrects. Bristles are not among them: what a
 /// sensor says of them is lost in what it says of the speeds that drive them.

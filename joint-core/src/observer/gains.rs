@@ -4,15 +4,13 @@
 //! them ([`Design`]), and turned once into the joint's own units ([`Gains`]), which travel in the
 //! parameter block.
 
-use crate::observer::column::{Column, StageRow, summed};
+use crate::observer::column::{CHANNELS, Column, StageRow, summed};
 use crate::observer::turn::Geared;
 use crate::params::{Motor, Stage};
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
 use crate::settings::Drive;
 
-/// The measured channels: current, rotor angle, output angle.
-pub const CHANNELS: usize = 3;
 /// Sets of gains: one for each [`Regime`], without and with an output encoder.
 pub const SETS: usize = 4 * Regime::COUNT;
 

@@ -4,7 +4,8 @@
 //! and supplies that dip. What is no measurement is flagged and gives no innovation; a voltage that was
 //! not the one asked for is estimated at once.
 
-use super::gains::{CHANNELS, Gains, Whiten};
+use super::column::CHANNELS;
+use super::gains::{Gains, Whiten};
 use super::health::Status;
 use super::turn::Turn;
 use super::{Observer, Sample, Track};

@@ -40,9 +40,9 @@ mod innovation;
 mod turn;
 mod update;
 
-pub use column::{Column, StageRow};
+pub use column::{CHANNELS, Column, StageRow};
 pub use estimate::Estimate;
-pub use gains::{CHANNELS, Design, Gains, Level, Regime, SETS, Spread, winding};
+pub use gains::{Design, Gains, Level, Regime, SETS, Spread, winding};
 pub use health::Status;
 pub use turn::{Encoder, Geared, Turn};
 

@@ -5,8 +5,8 @@
 
 use super::acquire::{FIRST, MOST_OUTPUT_COASTED};
 use super::adapt::{Adapting, STILL};
-use super::column::Column;
-use super::gains::{CHANNELS, Regime};
+use super::column::{CHANNELS, Column};
+use super::gains::Regime;
 use super::health::Status;
 use super::innovation::{Innovations, bounded};
 use super::{Observer, Sample, Track};
