@@ -7,8 +7,8 @@
 
 use super::hooks::{Effects, Memory, Motion, Torque};
 use super::{ParameterSpec, Place, Spec};
-use crate::batch::batch;
 use crate::angle::{Angle, Ratio};
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 

@@ -7,8 +7,8 @@
 
 use super::hooks::Effects;
 use super::{EffectParameters, Kind, ParameterSpec, Place, Spec};
-use crate::batch::batch;
 use crate::angle::Angle;
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
@@ -23,9 +23,8 @@ pub const SPEC: Spec = Spec {
 
 /// How late these effects make an encoder, s.
 pub fn delay_s(effects: &[EffectParameters], encoder: Location) -> f64 {
-    let own = |effect: &&EffectParameters| {
-        effect.kind == Kind::SensorDelay && effect.location == encoder
-    };
+    let own =
+        |effect: &&EffectParameters| effect.kind == Kind::SensorDelay && effect.location == encoder;
     effects.iter().filter(own).filter_map(|effect| effect.get("delay_s")).sum()
 }
 

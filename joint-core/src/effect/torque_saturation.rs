@@ -5,8 +5,8 @@
 
 use super::hooks::{Constants, Effects};
 use super::{ParameterSpec, Place, Spec};
-use crate::batch::batch;
 use crate::angle::Angle;
+use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
 
