@@ -126,6 +126,23 @@ fn with_brake(plain: &Tree) -> Tree {
     files
 }
 
+/// The same packages under a version of their own: cargo tells builds apart by it, and those of the copy do
+/// not take the place of the workspace's in the build folder that they share.
+fn with_own_version(mut files: Tree) -> Tree {
+    let own = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));
+    for file in ["Cargo.toml", "Cargo.lock"] {
+        let bytes = files.get_mut(Path::new(file)).unwrap_or_else(|| panic!("no {file}"));
+        let text = String::from_utf8(bytes.clone()).unwrap();
+        // A package of a registry has a source, one of the workspace none.
+        let packages = text.split("\n\n").map(|package| match package.contains("\nsource = ") {
+            true => package.to_owned(),
+            false => package.replace(&own, "version = \"0.0.0-recipe\""),
+        });
+        *bytes = packages.collect::<Vec<_>>().join("\n\n").into_bytes();
+    }
+    files
+}
+
 /// The files that the recipe's numbered steps name.
 fn recipe(contributing: &str) -> BTreeSet<PathBuf> {
     let section = contributing.split("\n## To add an effect\n").nth(1).unwrap();
@@ -205,7 +222,7 @@ fn the_recipe_for_an_effect_is_two_files_and_a_row_and_discover_names_it() {
     fs::create_dir_all(&folder).unwrap();
     let lock = File::create(folder.join("lock")).unwrap();
     lock.lock().unwrap();
-    write(&files, &copy);
+    write(&with_own_version(files), &copy);
 
     // Of the whole workspace, so that the dependencies have the features that they are built with here.
     let built = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
