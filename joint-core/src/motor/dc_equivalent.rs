@@ -76,8 +76,9 @@ impl<S: Scalar> RotorKick<S> {
             constant * duration / effective * current / speed,
             braking / effective,
         ]);
-        let [approach, electrical] = [1.0 - decay, speed / current];
-        let [decay, after, before] = S::gains([decay, after * electrical, before * electrical]);
+        let approach = 1.0 - decay;
+        let [after, before] = [after, before].map(|share| share * speed / current);
+        let [decay, after, before] = S::gains([decay, after, before]);
         Self {
             per_torque,
             per_excess,
