@@ -182,7 +182,7 @@ fn white(
         let run = pushed(&problem, &after.model, noise, walk)?;
         let series = disturbance(of_push(&run), walk);
         let squares: f64 = blocks.squares(&series).iter().sum();
-        // A replicate beyond all numbers says nothing.
+        // A replicate that has diverged says nothing.
         sum += if squares.is_finite() { squares } else { 0.0 };
     }
     Ok(sum / REPLICATES as f64)

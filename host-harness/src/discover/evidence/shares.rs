@@ -61,8 +61,7 @@ pub(super) fn losses(
     lost.collect()
 }
 
-/// Most that a prediction error counts for, in sigmas: one of a model without its effect may be beyond all
-/// numbers.
+/// Most that a prediction error counts for, in sigmas: a model without its effect may diverge.
 const MOST: f64 = 1e3;
 
 fn square(row: &[f64; CHANNELS]) -> f64 {
