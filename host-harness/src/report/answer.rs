@@ -27,6 +27,9 @@ pub(super) fn sentence(findings: &Findings) -> String {
 
 /// How far predictions missed, as HTML.
 pub(super) fn gap(findings: &Findings) -> String {
+    if findings.verdict.verdict == Answer::Undecided {
+        return escape(&findings.verdict.reasons.join("; "));
+    }
     let gap = &findings.verdict.gap;
     format!(
         "Predictions of the refitted model miss by {} before and {} after; noise alone leaves {} \

@@ -125,7 +125,7 @@ pub(super) fn summary(findings: &Findings) -> String {
         );
     }
     let place = &verdict.whereabouts;
-    if verdict.verdict != Answer::Adequate {
+    if !matches!(verdict.verdict, Answer::Adequate | Answer::Undecided) {
         let orders: Vec<String> = place.orders.iter().map(|order| format!("{order}")).collect();
         let orders = if orders.is_empty() {
             String::new()
@@ -142,6 +142,10 @@ pub(super) fn summary(findings: &Findings) -> String {
     }
     for reason in &verdict.reasons {
         let _ = writeln!(text, "  - {reason}");
+    }
+    if verdict.verdict == Answer::Undecided {
+        let _ = write!(text, "next: {}", verdict.next_experiment);
+        return text;
     }
     let gap = &verdict.gap;
     let _ = writeln!(
