@@ -52,7 +52,7 @@ fn findings(samples: usize) -> Findings {
             coloured: 0.02,
             white: 0.03,
             equation: "rotor torque".into(),
-            unit: "Nm",
+            unit: "Nm".to_owned(),
             rms_before: 0.01,
             rms_after: 0.003,
             unnamed_follows: "motor_speed_rad_per_s".into(),

@@ -15,6 +15,7 @@ use joint_core::effect::Kind;
 use serde::{Deserialize, Serialize};
 
 use crate::discover::candidates::card;
+use crate::discover::evidence::Budget;
 use crate::discover::findings::{Findings, Named, Verdict};
 use crate::discover::gate::Remainder;
 
@@ -102,6 +103,12 @@ pub struct Row {
     pub names: Vec<String>,
     /// How sure each of them was.
     pub confidences: Vec<f64>,
+    /// The share of the disagreement that each explains, and its standard error.
+    pub shares: Vec<[Option<f64>; 2]>,
+    /// Names that are only possible, kind and place.
+    pub possible: Vec<String>,
+    /// Where what the refitted nominal misses goes.
+    pub budget: Option<Budget>,
     /// The gap on unseen samples before, after, and what noise leaves.
     pub gap: Option<[f64; 3]>,
     /// Parameters of rightly named effects whose 95 % interval holds the truth, and of how many.
@@ -224,6 +231,9 @@ pub fn row(case: &Case, findings: &Findings) -> Row {
         hidden,
         names: verdict.effects.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
         confidences: verdict.effects.iter().map(|e| e.confidence).collect(),
+        shares: verdict.effects.iter().map(|e| [e.share, e.share_error].map(finite)).collect(),
+        possible: verdict.possible.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
+        budget: verdict.budget.clone(),
         gap: Some([verdict.gap.before, verdict.gap.after, verdict.gap.floor])
             .filter(|gap| gap.iter().all(|value| value.is_finite())),
         intervals: intervals(case, verdict),
@@ -241,6 +251,11 @@ pub fn row(case: &Case, findings: &Findings) -> Row {
         seconds: verdict.seconds,
         right,
     }
+}
+
+/// A number as JSON has it: none where it is beyond all numbers.
+fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
 }
 
 /// Standard errors within which 95 % lie.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::super::whereabouts::{coordinates, of_push, pushed, title};
 use super::blocks::{Blocks, Share};
@@ -23,7 +23,8 @@ const REPLICATES: u64 = 2;
 const SEED: u64 = 300;
 
 /// Shares of what the refitted nominal misses, which add up to one.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(default)]
 pub struct Budget {
     /// What the effects explain.
     pub named: f64,
@@ -36,7 +37,7 @@ pub struct Budget {
     /// The equation that misses most.
     pub equation: String,
     /// The unit of that equation.
-    pub unit: &'static str,
+    pub unit: String,
     /// RMS of what the refitted nominal misses of it, in that unit.
     pub rms_before: f64,
     /// The same of the improved model.
@@ -109,7 +110,7 @@ pub(in super::super) fn weigh(
     let drive = drive(record, &after.model, walk, tested);
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
-    Ok(Weighed { budget: Some(Budget { equation, unit, ..budget }), shares })
+    Ok(Weighed { budget: Some(Budget { equation, unit: unit.to_owned(), ..budget }), shares })
 }
 
 /// What an equation is disturbed by; of a sensor about its mean, since nobody knows an encoder's zero
