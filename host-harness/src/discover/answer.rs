@@ -13,16 +13,16 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use nalgebra::DMatrix;
 
-use super::confidence::{SEPARATION, confidence};
+use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
-use super::evidence::cannot_tell;
+use super::evidence::{Unseen, Weighed, cannot_tell};
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
-use super::proportion::{possible, weighed};
+use super::proportion::{answered, keep_borne_out, possible, weighed};
 use super::reasons::reasons;
 use super::search::Search;
 use super::timing::search_timed;
@@ -131,6 +131,11 @@ pub fn discover_without(
         ask_encoder(&problem, &mut found);
     }
 
+    let names = found.rounds.len();
+    let unseen = keep_borne_out(&problem, &mut found, &held_out)?;
+    if found.rounds.len() < names {
+        remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+    }
     bar.set_message("where they disagree, and what to measure next");
     let (before, after) = (&found.before.fit, &found.after.fit);
     // Where nothing was found, the gap is counted in noise that is believable, not in noise that
@@ -166,22 +171,19 @@ pub fn discover_without(
     }
     let complaints = remainder.complaints(found.rounds.is_empty());
     let constant = found.constant.is_some_and(|constant| constant.undecided());
-    let clean = complaints.is_empty() && !constant;
-    let answer = match (found.rounds.is_empty(), clean) {
-        (true, true) if interrupt::asked() => Answer::Unknown,
-        (true, true) => Answer::Adequate,
-        (false, true) => Answer::Effect,
-        (_, false) => Answer::Unknown,
-    };
     bar.inc(1);
-    let covariance = problem.covariance(after);
-    let mut effects = named(&found, nominal.effects.len(), clean, &covariance);
     let scout = Scout::of(&record, &fitted, nominal);
     let looked_at = Problem::new(&record, &every).scouted(scout.as_ref());
-    let (weighed, free_run) = weighed(&looked_at, &found, disagreement.walk, &calm, &held_out)?;
-    for (effect, share) in effects.iter_mut().zip(&weighed.shares) {
-        (effect.share, effect.share_error) = (share.value, share.error);
-    }
+    let walk = disagreement.walk;
+    let (weighed, free_run) = weighed(&looked_at, &found, walk, &calm, &held_out, &unseen)?;
+    let answer = match answered(!found.rounds.is_empty(), &remainder, weighed.budget.as_ref()) {
+        Answer::Adequate if interrupt::asked() => Answer::Unknown,
+        _ if constant => Answer::Unknown,
+        answer => answer,
+    };
+    let covariance = problem.covariance(after);
+    let clean = complaints.is_empty() && !constant;
+    let effects = named(&found, nominal.effects.len(), clean, (&weighed, &unseen), &covariance);
     let close = found.rounds.first().and_then(|round| {
         let rival = round.rivals.first()?;
         (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
@@ -349,15 +351,29 @@ fn gap(
     }
 }
 
-fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>) -> Vec<Named> {
+fn named(
+    found: &Search,
+    standing: usize,
+    clean: bool,
+    (weighed, unseen): (&Weighed, &[Unseen]),
+    covariance: &DMatrix<f64>,
+) -> Vec<Named> {
     let fit = &found.after.fit;
+    let first = found.scores.iter().filter(|row| row.round == 1);
+    let tried = first.count();
+    let unnamed = weighed.budget.as_ref().map_or(f64::NAN, |budget| budget.unnamed);
     let effects = fit.model.effects.iter().enumerate().skip(standing);
+    let rounds = found.rounds.iter().zip(&weighed.shares).zip(unseen);
     effects
-        .zip(&found.rounds)
-        .map(|((number, effect), round)| {
+        .zip(rounds)
+        .map(|((number, effect), ((round, share), unseen))| {
             let other = found.constant.filter(|_| round.name.0 == Kind::Gravity);
             let other = other.map(|constant| round.gain + constant.lead);
-            let (confidence, rivals) = confidence(round, clean, other);
+            let left = match clean {
+                true => Left::Noise,
+                false => Left::more(unnamed, [share.value, share.error], unseen.t, tried),
+            };
+            let (confidence, rivals) = confidence(round, left, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
             Named {
                 kind: effect.kind.spec().kind.to_owned(),
@@ -365,8 +381,9 @@ fn named(found: &Search, standing: usize, clean: bool, covariance: &DMatrix<f64>
                 parameters,
                 standard_errors,
                 confidence,
-                share: 0.0,
-                share_error: 0.0,
+                share: share.value,
+                share_error: share.error,
+                unseen_t: unseen.t,
                 gain: round.gain,
                 stays_ahead: round.stays_ahead,
                 rivals,

@@ -67,6 +67,9 @@ pub struct Named {
     pub share: f64,
     /// One standard error of that.
     pub share_error: f64,
+    /// What samples that no fit has seen say of it, given all the others: its gain there over its
+    /// standard error, by blocks.
+    pub unseen_t: f64,
     /// What its refit took from minus twice the log-likelihood.
     pub gain: f64,
     /// Share of the logs drawn from this one, block by block, in which it stays ahead of the best of

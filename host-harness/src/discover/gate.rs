@@ -108,6 +108,11 @@ impl Remainder {
         Ok(remainder)
     }
 
+    /// Whether it fails on samples that no fit has seen.
+    pub fn fails_unseen(&self) -> bool {
+        self.unseen > if self.rugged { UNSEEN_OF_RUGGED } else { UNSEEN }
+    }
+
     /// Why this is not noise; `plain` of a model to which nothing was added.
     pub fn complaints(&self, plain: bool) -> Vec<String> {
         let mut all = Vec::new();
@@ -124,7 +129,7 @@ impl Remainder {
                 self.torque
             ));
         }
-        if self.unseen > if self.rugged { UNSEEN_OF_RUGGED } else { UNSEEN } {
+        if self.fails_unseen() {
             all.push(format!(
                 "on samples that no fit has seen the prediction errors are {:.2} times a twin's",
                 self.unseen

@@ -2,12 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use joint_core::effect::EffectParameters;
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+use rayon::prelude::*;
 
 use super::bootstrap::stays_ahead;
-use super::evidence::{FreeRun, Weighed, weigh};
-use super::findings::Named;
-use super::search::Search;
+use super::evidence::{Budget, FreeRun, Unseen, Weighed, unseen, weigh};
+use super::findings::{Answer, Named};
+use super::gate::Remainder;
+use super::needless::bare;
+use super::search::{Contender, Search, Stage};
 use crate::estimate::filter::{Noise, Walk};
 use crate::estimate::fit::Problem;
 use crate::interrupt;
@@ -16,6 +20,22 @@ use crate::plant::BuildError;
 /// Most confidence in an effect that the unseen samples do not confirm: it is as likely as not.
 const UNCONFIRMED: f64 = 0.5;
 
+/// Share of the RMS of what drives an equation up to which a predictable remainder does not matter.
+const TOLERANCE: f64 = 0.01;
+
+/// The answer. A remainder that is no noise makes it unknown where it is predictable and matters, where the
+/// model fails on samples that no fit has seen, or where nobody could look; a disturbance that follows
+/// nothing is no law that is missing.
+pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -> Answer {
+    let harmless = budget.is_some_and(|budget| budget.unnamed_of_drive <= TOLERANCE);
+    let noise = left.complaints(!named).is_empty();
+    match named {
+        _ if !noise && (!harmless || left.fails_unseen()) => Answer::Unknown,
+        true => Answer::Effect,
+        false => Answer::Adequate,
+    }
+}
+
 /// What the effects explain in proportion, and how both models run free, on samples that no fit has seen.
 pub(super) fn weighed(
     problem: &Problem<'_>,
@@ -23,39 +43,87 @@ pub(super) fn weighed(
     walk: Option<Walk>,
     noise: &Noise,
     held_out: &[bool],
+    effects: &[Unseen],
 ) -> Result<(Weighed, FreeRun), BuildError> {
     let models = [&found.before.fit, &found.after.fit];
     let free_run = || FreeRun::of(problem.record, models, noise, held_out);
     let Some(walk) = walk.filter(|_| !interrupt::asked()) else {
         return Ok((Weighed::default(), free_run()?));
     };
-    let places: Vec<usize> = (0..found.rounds.len()).map(|k| found.place(k)).collect();
-    let evidence = || weigh(problem, models, walk, [noise, &found.expected], held_out, &places);
+    let evidence = || weigh(problem, models, walk, [noise, &found.expected], held_out, effects);
     let (weighed, free_run) = rayon::join(evidence, free_run);
     Ok((weighed?, free_run?))
 }
 
-/// The best of the weak names that the unseen samples did not confirm.
-pub(super) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
-    let Some((contender, stage)) = &found.hope else { return Vec::new() };
-    if found.rounds.iter().any(|round| round.name == contender.name) {
-        return Vec::new();
+/// Takes the effects back that samples which no fit has seen do not bear out, given the others: they are only
+/// possible. Answers with what those samples say of the rest.
+///
+/// # Errors
+/// A model cannot be built.
+pub(super) fn keep_borne_out(
+    problem: &Problem<'_>,
+    found: &mut Search,
+    tested: &[bool],
+) -> Result<Vec<Unseen>, BuildError> {
+    loop {
+        let asked = asked(problem, found, tested)?;
+        let worst = asked.iter().enumerate().min_by(|a, b| a.1.0.gain.total_cmp(&b.1.0.gain));
+        let Some((k, _)) = worst.filter(|(_, (unseen, _))| unseen.gain <= 0.0) else {
+            return Ok(asked.into_iter().map(|(unseen, _)| unseen).collect());
+        };
+        let without = asked.into_iter().nth(k).map(|(_, without)| without);
+        let round = found.rounds.remove(k);
+        let contender = Contender { name: round.name, gain: round.gain };
+        found.unconfirmed.push((contender, found.after.clone()));
+        found.after = without.unwrap_or_else(|| found.before.clone());
     }
-    let model = &stage.fit.model;
-    let named = |effect: &&EffectParameters| (effect.kind, effect.location) == contender.name;
-    let Some(effect) = model.effects.iter().rfind(named) else { return Vec::new() };
-    let keys = effect.kind.spec().parameters.iter().zip(effect.values);
-    let stays_ahead = stays_ahead(&stage.fit, &[&found.after.fit], mask);
-    vec![Named {
-        kind: effect.kind.spec().kind.to_owned(),
-        location: effect.location.to_string(),
-        parameters: keys.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
-        standard_errors: BTreeMap::new(),
-        confidence: UNCONFIRMED * stays_ahead,
-        share: 0.0,
-        share_error: 0.0,
-        gain: contender.gain,
-        stays_ahead,
-        rivals: Vec::new(),
-    }]
+}
+
+/// What unseen samples say of every effect, given the others, and the model without it.
+fn asked(
+    problem: &Problem<'_>,
+    found: &Search,
+    tested: &[bool],
+) -> Result<Vec<(Unseen, Stage)>, BuildError> {
+    let rounds = found.rounds.len();
+    let one = |k: usize| {
+        let without = match rounds {
+            1 => found.before.clone(),
+            _ => bare(problem.rough(), found, k)?,
+        };
+        Ok((unseen(problem, &without.fit, &found.after.fit, tested)?, without))
+    };
+    (0..rounds).into_par_iter().map(one).collect()
+}
+
+/// Effects that explain something but not beyond doubt: those that unseen samples did not bear out, and the
+/// best of the weak names.
+pub(super) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
+    let mut told: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
+    let mut all = Vec::new();
+    for (contender, stage) in found.unconfirmed.iter().chain(&found.hope) {
+        let model = &stage.fit.model;
+        let named = |effect: &&EffectParameters| (effect.kind, effect.location) == contender.name;
+        let Some(effect) = model.effects.iter().rfind(named) else { continue };
+        if told.contains(&contender.name) {
+            continue;
+        }
+        told.push(contender.name);
+        let keys = effect.kind.spec().parameters.iter().zip(effect.values);
+        let stays_ahead = stays_ahead(&stage.fit, &[&found.after.fit], mask);
+        all.push(Named {
+            kind: effect.kind.spec().kind.to_owned(),
+            location: effect.location.to_string(),
+            parameters: keys.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
+            standard_errors: BTreeMap::new(),
+            confidence: UNCONFIRMED * stays_ahead,
+            share: 0.0,
+            share_error: 0.0,
+            unseen_t: 0.0,
+            gain: contender.gain,
+            stays_ahead,
+            rivals: Vec::new(),
+        });
+    }
+    all
 }

@@ -135,6 +135,8 @@ pub struct Search {
     pub(super) settled: Option<f64>,
     /// The best of the weak names that no unseen sample bears out.
     pub(super) hope: Option<(Contender, Stage)>,
+    /// Names that unseen samples did not bear out, each with the model that had it.
+    pub(super) unconfirmed: Vec<(Contender, Stage)>,
     /// The name that was beaten by a little in the first round.
     pub(super) second: Option<Second>,
 }
@@ -155,6 +157,7 @@ impl Search {
             constant: None,
             settled: None,
             hope: None,
+            unconfirmed: Vec::new(),
             second: None,
         }
     }

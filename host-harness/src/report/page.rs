@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{answer, csv, gap, tables};
-use crate::discover::findings::{Findings, Shape};
+use crate::discover::findings::{Answer, Findings, Shape};
 use crate::plot;
 use crate::plot::text::{escape, number};
 use crate::plot::{Axis, Ink, Legend, Mark, Plot, Series, bands, legend};
@@ -29,15 +29,10 @@ pub(super) fn page(findings: &Findings) -> String {
         answer::sentence(findings),
         answer::gap(findings)
     );
-    tables::effects(&mut page, &verdict.effects);
-    let _ = writeln!(page, "<h2>How far</h2>\n{}", legend(&[BEFORE, AFTER, FLOOR]));
-    gap::section(&mut page, &verdict.gap);
-    if let Some(budget) = &verdict.budget {
-        let _ = writeln!(page, "<p>{}</p>", escape(&answer::budget(budget)));
+    let fitted = verdict.verdict != Answer::Undecided;
+    if fitted {
+        disagreement(&mut page, findings);
     }
-    tables::free_run(&mut page, &verdict.free_run);
-    whereabouts(&mut page, findings);
-    residuals(&mut page, findings);
     page.push_str("<h2>Why</h2>\n<ul>");
     for reason in &verdict.reasons {
         let _ = write!(page, "<li>{}</li>", escape(reason));
@@ -45,22 +40,44 @@ pub(super) fn page(findings: &Findings) -> String {
     let _ = writeln!(page, "</ul>\n<h2>What to measure next</h2>\n<p>{}</p>", {
         escape(&verdict.next_experiment)
     });
+    if fitted {
+        grounds(&mut page, findings);
+    }
+    plot::page(&format!("{name}: {class}"), &page)
+}
+
+/// How far model and log are apart, and where.
+fn disagreement(page: &mut String, findings: &Findings) {
+    let verdict = &findings.verdict;
+    tables::effects(page, &verdict.effects);
+    tables::possible(page, &verdict.possible);
+    let _ = writeln!(page, "<h2>How far</h2>\n{}", legend(&[BEFORE, AFTER, FLOOR]));
+    gap::section(page, &verdict.gap);
+    if let Some(budget) = &verdict.budget {
+        let _ = writeln!(page, "<p>{}</p>", escape(&answer::budget(budget)));
+    }
+    tables::free_run(page, &verdict.free_run);
+    whereabouts(page, findings);
+    residuals(page, findings);
+}
+
+/// What one needs to believe it: hypotheses, parameters, noises, the model.
+fn grounds(page: &mut String, findings: &Findings) {
     page.push_str(
         "<h2>Hypotheses</h2>\n<p class=note>Score: what the linear step promises to take from \
          minus twice the log-likelihood. Refitted gain: what the full refit did take.</p>\n",
     );
-    tables::hypotheses(&mut page, findings);
+    tables::hypotheses(page, findings);
     page.push_str("<h2>Parameters</h2>\n");
-    tables::parameters(&mut page, &findings.parameters);
+    tables::parameters(page, &findings.parameters);
     page.push_str("<p class=note>Pale: the log says little about it.</p>\n<h2>Noises</h2>\n");
-    tables::noises(&mut page, &findings.noises);
+    tables::noises(page, &findings.noises);
     let _ = writeln!(
         page,
         "<h2>The improved model</h2>\n<pre>{}</pre>\n<p class=note>Found in {} s.</p>",
         escape(&findings.improved.to_toml()),
-        number(verdict.seconds)
+        number(findings.verdict.seconds)
     );
-    plot::page(&format!("{name}: {class}"), &page)
 }
 
 fn whereabouts(page: &mut String, findings: &Findings) {

@@ -73,6 +73,32 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
     }
 }
 
+/// Effects that are only possible.
+pub(super) fn possible(page: &mut String, possible: &[Named]) {
+    if possible.is_empty() {
+        return;
+    }
+    let told = possible.iter().map(|effect| {
+        let parameters = effect.parameters.iter().map(|(key, value)| {
+            format!("{} {}", escape(key), number(*value))
+        });
+        let parameters: Vec<String> = parameters.collect();
+        format!(
+            "<b>{}</b> at {} ({}; share of the gap {})",
+            escape(&effect.kind),
+            escape(&effect.location),
+            parameters.join(", "),
+            with_sigma(effect.share, Some(effect.share_error))
+        )
+    });
+    let _ = writeln!(
+        page,
+        "<p class=note>Possible, but not confirmed by samples that no fit has seen, and not in the \
+         improved model: {}.</p>",
+        told.collect::<Vec<_>>().join("; ")
+    );
+}
+
 /// Both models' free runs.
 pub(super) fn free_run(page: &mut String, run: &FreeRun) {
     if run.signals.is_empty() {

@@ -37,6 +37,7 @@ fn findings(samples: usize) -> Findings {
             gain: 900.0,
             share: 0.9,
             share_error: 0.02,
+            unseen_t: 12.0,
             stays_ahead: 1.0,
             rivals: vec![Rival {
                 kind: "gravity".into(),

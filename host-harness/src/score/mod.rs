@@ -105,6 +105,8 @@ pub struct Row {
     pub confidences: Vec<f64>,
     /// The share of the disagreement that each explains, and its standard error.
     pub shares: Vec<[Option<f64>; 2]>,
+    /// What unseen samples say of each: its gain there over its standard error.
+    pub unseen_t: Vec<Option<f64>>,
     /// Names that are only possible, kind and place.
     pub possible: Vec<String>,
     /// Where what the refitted nominal misses goes.
@@ -232,6 +234,7 @@ pub fn row(case: &Case, findings: &Findings) -> Row {
         names: verdict.effects.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
         confidences: verdict.effects.iter().map(|e| e.confidence).collect(),
         shares: verdict.effects.iter().map(|e| [e.share, e.share_error].map(finite)).collect(),
+        unseen_t: verdict.effects.iter().map(|e| finite(e.unseen_t)).collect(),
         possible: verdict.possible.iter().map(|e| format!("{} {}", e.kind, e.location)).collect(),
         budget: verdict.budget.clone(),
         gap: Some([verdict.gap.before, verdict.gap.after, verdict.gap.floor])

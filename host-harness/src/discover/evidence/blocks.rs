@@ -58,6 +58,11 @@ impl Blocks {
         &self.ranges
     }
 
+    /// Sum of a series in each block.
+    pub fn sums(&self, series: &[f64]) -> Vec<f64> {
+        self.ranges.iter().map(|range| series[range.clone()].iter().sum()).collect()
+    }
+
     /// Sum of the squares of a series in each block.
     pub fn squares(&self, series: &[f64]) -> Vec<f64> {
         let sum = |range: &Range<usize>| series[range.clone()].iter().map(|x| x * x).sum();

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::super::whereabouts::{coordinates, of_push, pushed, title};
 use super::blocks::{Blocks, Share};
 use super::generic::{Predicted, predicted};
-use super::shares::{Disturbances, divided, losses};
+use super::shares::{Disturbances, divided};
+use super::unseen::Unseen;
 use crate::estimate::filter::{Equation, Noise, Walk};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::free_run;
@@ -71,7 +72,7 @@ pub(in super::super) struct Weighed {
 }
 
 /// Weighs what was found. `tested` are the samples that no fit has seen; `noise` designs the filter;
-/// `places` are those of the effects in the improved model.
+/// `effects` is what unseen samples say of each.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -81,7 +82,7 @@ pub(in super::super) fn weigh(
     walk: Walk,
     [noise, expected]: [&Noise; 2],
     tested: &[bool],
-    places: &[usize],
+    effects: &[Unseen],
 ) -> Result<Weighed, BuildError> {
     let record = problem.record;
     let run = |fit: &Fit| pushed(problem, &fit.model, noise, walk);
@@ -89,17 +90,17 @@ pub(in super::super) fn weigh(
     let (old, new) = (old?, new?);
     let [missed, left] = [&old, &new].map(|run| disturbance(of_push(run), walk));
     if !missed.iter().chain(&left).all(|value| value.is_finite()) {
-        return Ok(Weighed { budget: None, shares: vec![Share::default(); places.len()] });
+        return Ok(Weighed { budget: None, shares: vec![Share::default(); effects.len()] });
     }
     let blocks = Blocks::of_series(tested, &left);
     let gone = Disturbances { before: blocks.squares(&missed), after: blocks.squares(&left) };
     let named = gone.named();
-    let shares = match places {
+    let shares = match effects {
         [] => Vec::new(),
         [_] => vec![named],
         _ => {
-            let gains = problem.design(&after.model, noise)?.gains;
-            divided(&gone, &losses(problem, &after.model, &gains, places, &blocks)?)
+            let gains = effects.iter().map(|effect| blocks.sums(&effect.series));
+            divided(&gone, &gains.collect::<Vec<_>>())
         }
     };
     let white = white(problem, after, walk, [noise, expected], &blocks)?;

@@ -12,9 +12,12 @@ mod excitation;
 mod generic;
 mod hats;
 mod shares;
+mod unseen;
 
 pub use blocks::{Blocks, Share};
 pub use budget::{Budget, FreeRun};
 pub(super) use budget::{Weighed, weigh};
 pub(super) use excitation::cannot_tell;
 pub use generic::Predicted;
+pub use unseen::Unseen;
+pub(super) use unseen::unseen;

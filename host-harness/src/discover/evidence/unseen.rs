@@ -1,0 +1,115 @@
+//! Whether samples that no fit has seen bear an effect out, given all the others.
+//!
+//! A likelihood on the samples that were fitted to rises with every parameter. On samples that no fit has
+//! seen it rises only by what is there. Blocks are the witnesses: what is owed to one moment has a large
+//! scatter and a small t (Racine, J. Econometrics 99, 2000; the score is the predictive likelihood of
+//! Dawid, J. R. Stat. Soc. A 147, 1984).
+
+use super::blocks::Blocks;
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::{Fit, Problem};
+use crate::plant::BuildError;
+
+/// What unseen samples say of an effect.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Unseen {
+    /// What it takes from minus twice the log-likelihood of each sample; zero of those that were fitted to.
+    pub series: Vec<f64>,
+    /// What it takes from minus twice the log-likelihood there.
+    pub gain: f64,
+    /// That over its standard error, by blocks.
+    pub t: f64,
+}
+
+/// Asks the samples of `tested` for a fit against the same without one of its effects, refitted.
+///
+/// # Errors
+/// A model cannot be built.
+pub(in super::super) fn unseen(
+    problem: &Problem<'_>,
+    without: &Fit,
+    with: &Fit,
+    tested: &[bool],
+) -> Result<Unseen, BuildError> {
+    let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(*tested))).collect();
+    let asked = Problem { mask: &mask, scout: None, ..*problem };
+    // At either's noise: at its own, which is less, the better one would answer for that as well.
+    let at = |fit: &Fit, noise: &Noise| -> Result<Vec<f64>, BuildError> {
+        let run = asked.design(&fit.model, noise)?;
+        let rows = run.innovations.iter().zip(run.gains.log_variances()).zip(tested);
+        let deviance = |row: &[f64; 3], log: f64| row.iter().map(bounded).sum::<f64>() + log;
+        Ok(rows.map(|((row, log), t)| if *t { deviance(row, log) } else { 0.0 }).collect())
+    };
+    let gained = |noise: &Noise| {
+        let (plain, better) = rayon::join(|| at(without, noise), || at(with, noise));
+        let (plain, better) = (plain?, better?);
+        Ok::<_, BuildError>(plain.iter().zip(&better).map(|(a, b)| a - b).collect::<Vec<f64>>())
+    };
+    let (one, other) = (gained(&without.noise)?, gained(&with.noise)?);
+    let series: Vec<f64> = one.iter().zip(&other).map(|(a, b)| 0.5 * (a + b)).collect();
+    let [gain, t] = witnessed(&Blocks::of_series(tested, &series), &series);
+    Ok(Unseen { series, gain, t })
+}
+
+/// Most that an innovation counts for, in sigmas: one beyond all numbers is no more against a model than
+/// this.
+const MOST: f64 = 1e3;
+
+fn bounded(error: &f64) -> f64 {
+    if error.is_finite() { error.abs().min(MOST).powi(2) } else { MOST * MOST }
+}
+
+/// Sum and t of a series over blocks.
+fn witnessed(blocks: &Blocks, gains: &[f64]) -> [f64; 2] {
+    let sums = blocks.sums(gains);
+    let count = sums.len() as f64;
+    let gain: f64 = sums.iter().sum();
+    if sums.len() < 2 {
+        return [gain, 0.0];
+    }
+    let mean = gain / count;
+    let scatter = sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let t = if scatter > 0.0 { gain / (count * scatter).sqrt() } else { 0.0 };
+    [gain, t]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::candidates::cogging;
+    use super::super::super::trial;
+    use super::*;
+    use crate::estimate::record::Record;
+
+    /// What unseen samples say of a line of order 12 where the log holds one times `hidden`.
+    fn told(hidden: f64) -> Unseen {
+        let nominal = trial::motor();
+        let line = trial::line(12.0).with("amplitude_nm", 0.02 * hidden);
+        let record = Record::new(&trial::log(&nominal, line, 4.0), None);
+        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
+        let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
+        let problem = Problem::new(&record, &mask).rough();
+        let without = trial::fitted(&problem, &nominal, &[]);
+        let with = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
+        unseen(&problem, &without.fit, &with.fit, &tested).unwrap()
+    }
+
+    #[test]
+    fn unseen_samples_bear_out_what_is_there_and_nothing_else() {
+        let (there, not) = (told(1.0), told(0.0));
+        // Five standard errors of a normal deviate happen once in three million.
+        assert!(there.gain > 100.0 && there.t > 5.0, "{} {}", there.gain, there.t);
+        assert!(not.gain < 10.0 && not.t < 5.0, "{} {}", not.gain, not.t);
+    }
+
+    #[test]
+    fn what_is_owed_to_one_moment_has_a_small_t() {
+        let tested = vec![true; 1000];
+        let blocks = Blocks::over(&tested, 20);
+        let evenly = witnessed(&blocks, &(0..1000).map(|k| f64::from(k % 3)).collect::<Vec<_>>());
+        let at_once: Vec<f64> = (0..1000).map(|k| if k == 99 { 999.0 } else { 0.0 }).collect();
+        let at_once = witnessed(&blocks, &at_once);
+        assert!(evenly[1] > 50.0 && (evenly[0] - at_once[0]).abs() < 1.0, "{evenly:?}");
+        // One block of fifty: its t is one, whatever its size.
+        assert!((at_once[1] - 1.0).abs() < 1e-9, "{at_once:?}");
+    }
+}
