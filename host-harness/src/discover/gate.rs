@@ -131,7 +131,7 @@ impl Remainder {
         }
         if self.fails_unseen() {
             all.push(format!(
-                "on samples that no fit has seen the prediction errors are {:.2} times a twin's",
+                "on samples that no fit has seen the prediction errors are {:.2} times those of bootstrap replicates",
                 self.unseen
             ));
         }
@@ -140,13 +140,13 @@ impl Remainder {
             let column = channel.column();
             if self.colour[c] > COLOUR {
                 all.push(format!(
-                    "the prediction errors of {column} are correlated (by {:.2} more than those of twins)",
+                    "the prediction errors of {column} are correlated (by {:.2} more than those of bootstrap replicates)",
                     self.colour[c]
                 ));
             }
             if self.variance[c] > 1.0 + VARIANCE {
                 all.push(format!(
-                    "the prediction errors of {column} scatter {:.2} times as much as those of a twin",
+                    "the prediction errors of {column} scatter {:.2} times as much as those of bootstrap replicates",
                     self.variance[c]
                 ));
             }
@@ -212,7 +212,7 @@ mod tests {
             |unseen: f64| Remainder { rugged: true, ..left(unseen) }.complaints(true).len();
         assert_eq!([rugged(1.2), rugged(1.3), left(1.2).complaints(true).len()], [0, 1, 1]);
         let complaints = left(6.6).complaints(false);
-        assert!(complaints.len() == 1 && complaints[0].contains("6.60 times a twin's"));
+        assert!(complaints.len() == 1 && complaints[0].contains("6.60 times those of bootstrap replicates"));
     }
 
     #[test]

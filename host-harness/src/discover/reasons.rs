@@ -33,7 +33,7 @@ pub(super) fn reasons(
     }
     if complaints.is_empty() {
         all.push(format!(
-            "what is left is noise: {:.3} sigma on held-out data where a twin leaves {:.3}",
+            "what is left is noise: {:.3} sigma on held-out data where bootstrap replicates leave {:.3}",
             gap.after, gap.floor
         ));
     } else {
@@ -59,16 +59,16 @@ fn explained(rounds: &[Round]) -> Vec<String> {
         .map(|rounds| {
             let Round { name, gain, rivals, .. } = &rounds[0];
             let name = match rounds.len() {
-                1 => format!("{} takes", title(*name)),
-                several => format!("{}, {several} of them added at once, take", title(*name)),
+                1 => format!("{} improves", title(*name)),
+                several => format!("{}, {several} of them added at once, improve", title(*name)),
             };
             let next = rivals.first().map_or_else(
-                || "no other name comes near".to_owned(),
+                || "no other one comes near".to_owned(),
                 |rival| {
-                    format!("the next best name, {}, takes {:.0}", title(rival.name), rival.gain)
+                    format!("the next best one, {}, by {:.0}", title(rival.name), rival.gain)
                 },
             );
-            format!("{name} {gain:.0} from minus twice the log-likelihood; {next}")
+            format!("{name} the fit by {gain:.0} (2 Δ log-likelihood); {next}")
         })
         .collect()
 }
@@ -91,9 +91,9 @@ mod tests {
         let line = || round(Kind::Cogging, 1079.0, Vec::new());
         let told = explained(&[line(), line(), round(Kind::Gravity, 80.2, vec![drag]), line()]);
         let [lines, gravity, line] = &told[..] else { panic!("{told:?}") };
-        assert!(lines.starts_with("cogging (motor), 2 of them added at once, take 1079 from"));
-        assert!(gravity.starts_with("gravity (motor) takes 80 from"));
-        assert!(gravity.ends_with("the next best name, quadratic-drag (motor), takes 12"));
-        assert!(line.starts_with("cogging (motor) takes 1079") && line.ends_with("comes near"));
+        assert!(lines.starts_with("cogging (motor), 2 of them added at once, improve the fit by 1079 ("));
+        assert!(gravity.starts_with("gravity (motor) improves the fit by 80 ("));
+        assert!(gravity.ends_with("the next best one, quadratic-drag (motor), by 12"));
+        assert!(line.starts_with("cogging (motor) improves the fit by 1079") && line.ends_with("comes near"));
     }
 }

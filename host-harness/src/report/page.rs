@@ -64,8 +64,8 @@ fn disagreement(page: &mut String, findings: &Findings) {
 /// What one needs to believe it: hypotheses, parameters, noises, the model.
 fn grounds(page: &mut String, findings: &Findings) {
     page.push_str(
-        "<h2>Hypotheses</h2>\n<p class=note>Score: what the linear step promises to take from \
-         minus twice the log-likelihood. Refitted gain: what the full refit did take.</p>\n",
+        "<h2>Hypotheses</h2>\n<p class=note>Score: by how much the linear step promises to \
+         improve the fit (2 Δ log-likelihood). Refitted gain: by how much the full refit did.</p>\n",
     );
     tables::hypotheses(page, findings);
     page.push_str("<h2>Parameters</h2>\n");
@@ -83,11 +83,11 @@ fn grounds(page: &mut String, findings: &Findings) {
 fn whereabouts(page: &mut String, findings: &Findings) {
     let (push, shape) = (&findings.push, &findings.shape);
     let equation = if push.equation.is_empty() { "equation" } else { &push.equation };
-    let push_axis = || Axis::linear("push", push.unit);
+    let push_axis = || Axis::linear("disturbance", push.unit);
     let _ = writeln!(
         page,
         "<h2>Where they disagree</h2>\n<p>Where the refitted model and the log disagree, {}. The \
-         push is what the log asks to be added to that equation, wandering freely.</p>{}",
+         disturbance is what the log asks to be added to that equation, as a random walk.</p>{}",
         answer::place(&findings.verdict.whereabouts),
         legend(&[BEFORE, AFTER])
     );
@@ -96,14 +96,14 @@ fn whereabouts(page: &mut String, findings: &Findings) {
         let series = pair(Mark::Dots, &shape.centres, &shape.before, &shape.after);
         Plot { series, ..plot }.svg()
     };
-    let title = format!("Push on the {equation} against {}", shape.coordinate);
+    let title = format!("Disturbance of the {equation} against {}", shape.coordinate);
     page.push_str(&against(title, shape));
     for (kind, shape) in &findings.along_effects {
         let (axis, kind) = (&shape.coordinate, kind.spec().kind);
-        let title = format!("Push on the {equation} against {axis}, with which {kind} varies");
+        let title = format!("Disturbance of the {equation} against {axis}, with which {kind} varies");
         page.push_str(&against(title, shape));
     }
-    let title = format!("Push on the {equation} along the log");
+    let title = format!("Disturbance of the {equation} along the log");
     let plot = Plot::new(title, Axis::linear("t", "s"), push_axis()).sized(WIDTH, 150.0);
     let series = pair(Mark::Line, &findings.time_s, &push.before, &push.after);
     let bands = bands(&findings.time_s, &findings.held_out);
@@ -114,9 +114,9 @@ fn whereabouts(page: &mut String, findings: &Findings) {
 fn orders(page: &mut String, findings: &Findings) {
     let column = |k: usize| -> Vec<f64> { findings.orders.iter().map(|row| row[k]).collect() };
     let plot = Plot::new(
-        "Amplitude of the push by order of the motor angle",
+        "Amplitude of the disturbance by order of the motor angle",
         Axis::linear("order, per turn", ""),
-        Axis::linear("push", findings.push.unit),
+        Axis::linear("disturbance", findings.push.unit),
     );
     let [order, before, after] = [0, 1, 2].map(column);
     let series = pair(Mark::Bars, &order, &before, &after);

@@ -6,8 +6,8 @@
 //! Dawid, J. R. Stat. Soc. A 147, 1984).
 
 use super::blocks::Blocks;
-use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::record::CHANNELS;
 use crate::plant::BuildError;
 
 /// What unseen samples say of an effect.
@@ -33,20 +33,16 @@ pub(in super::super) fn unseen(
 ) -> Result<Unseen, BuildError> {
     let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(*tested))).collect();
     let asked = Problem { mask: &mask, scout: None, ..*problem };
-    // At either's noise: at its own, which is less, the better one would answer for that as well.
-    let at = |fit: &Fit, noise: &Noise| -> Result<Vec<f64>, BuildError> {
-        let run = asked.design(&fit.model, noise)?;
+    // At the noise of the simpler one, where it is right: the better one's would make every error of the other
+    // a great many sigmas, and the sum that of a few moments.
+    let at = |fit: &Fit| -> Result<Vec<f64>, BuildError> {
+        let run = asked.design(&fit.model, &without.noise)?;
         let rows = run.innovations.iter().zip(run.gains.log_variances()).zip(tested);
-        let deviance = |row: &[f64; 3], log: f64| row.iter().map(bounded).sum::<f64>() + log;
+        let deviance = |row: &[f64; CHANNELS], log: f64| row.iter().map(bounded).sum::<f64>() + log;
         Ok(rows.map(|((row, log), t)| if *t { deviance(row, log) } else { 0.0 }).collect())
     };
-    let gained = |noise: &Noise| {
-        let (plain, better) = rayon::join(|| at(without, noise), || at(with, noise));
-        let (plain, better) = (plain?, better?);
-        Ok::<_, BuildError>(plain.iter().zip(&better).map(|(a, b)| a - b).collect::<Vec<f64>>())
-    };
-    let (one, other) = (gained(&without.noise)?, gained(&with.noise)?);
-    let series: Vec<f64> = one.iter().zip(&other).map(|(a, b)| 0.5 * (a + b)).collect();
+    let (plain, better) = rayon::join(|| at(without), || at(with));
+    let series: Vec<f64> = plain?.iter().zip(&better?).map(|(a, b)| a - b).collect();
     let [gain, t] = witnessed(&Blocks::of_series(tested, &series), &series);
     Ok(Unseen { series, gain, t })
 }
