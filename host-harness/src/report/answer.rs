@@ -1,7 +1,7 @@
 //! The answer in a sentence, for the reader who stops there.
 
 use crate::discover::evidence::Budget;
-use crate::discover::findings::{Answer, Findings, Named, Whereabouts};
+use crate::discover::findings::{Answer, Findings, Named, Verdict, Whereabouts};
 use crate::plot::text::{escape, number, per_cent, with_sigma};
 
 /// The headline, as HTML.
@@ -11,7 +11,7 @@ pub(super) fn sentence(findings: &Findings) -> String {
     let named = named.join("; and ");
     match verdict.verdict {
         Answer::Effect => format!("The model misses {named}."),
-        Answer::Adequate => "Nothing is missing that this log shows.".to_owned(),
+        Answer::Adequate => format!("Nothing is missing that this log shows{}.", to(verdict)),
         Answer::Undecided => "This log cannot tell what the model misses.".to_owned(),
         Answer::Unknown if named.is_empty() => format!(
             "Something is missing that no listed effect explains: {}.",
@@ -23,6 +23,19 @@ pub(super) fn sentence(findings: &Findings) -> String {
             place(&verdict.whereabouts)
         ),
     }
+}
+
+/// To how much the model explains the equation that it misses most.
+pub(crate) fn to(verdict: &Verdict) -> String {
+    verdict.budget.as_ref().map_or(String::new(), |budget| {
+        format!(
+            ": the model explains the {} to {} of what drives it ({} {} RMS)",
+            budget.equation,
+            per_cent(budget.left_of_drive),
+            number(budget.rms_left),
+            budget.unit
+        )
+    })
 }
 
 /// How far predictions missed, as HTML.

@@ -11,7 +11,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use answer::budget;
+pub(crate) use answer::{budget, to};
 
 use crate::discover::findings::Findings;
 

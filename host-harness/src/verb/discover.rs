@@ -88,7 +88,9 @@ pub(super) fn summary(findings: &Findings) -> String {
     let verdict = &findings.verdict;
     let mut text = match verdict.verdict {
         Answer::Effect => "effect: the model misses\n".to_owned(),
-        Answer::Adequate => "adequate: nothing is missing that these logs show\n".to_owned(),
+        Answer::Adequate => {
+            format!("adequate: nothing is missing that these logs show{}\n", report::to(verdict))
+        }
         Answer::Undecided => "undecided: these logs cannot tell\n".to_owned(),
         Answer::Unknown if verdict.effects.is_empty() => {
             "unknown: something is missing that no listed effect explains\n".to_owned()

@@ -47,6 +47,10 @@ pub struct Budget {
     pub unnamed_follows: String,
     /// RMS of the unnamed part over the RMS of what drives that equation: whether it matters.
     pub unnamed_of_drive: f64,
+    /// RMS of all that is left beside white noise, in the unit of the equation.
+    pub rms_left: f64,
+    /// The same over the RMS of what drives that equation: to how much the model explains it.
+    pub left_of_drive: f64,
 }
 
 /// Free runs of both models over samples that no fit has seen.
@@ -107,11 +111,18 @@ pub(in super::super) fn weigh(
     let layout = Layout::of(&after.model);
     let direction: Vec<f64> = new.states.iter().map(|x| x[layout.speed(0)]).collect();
     let coordinates = coordinates(problem, &after.model, &new);
-    let unnamed = predicted(&left, &coordinates, &direction, tested);
+    let weights = weights(&coordinates);
+    let unnamed = predicted(&left, &coordinates, &weights, &direction, tested);
     let drive = drive(record, &after.model, walk, tested);
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
     Ok(Weighed { budget: Some(Budget { equation, unit: unit.to_owned(), ..budget }), shares })
+}
+
+/// Quantities that laws are proportional to: current, speed, voltage.
+fn weights<'a>(coordinates: &[(&'a str, Vec<f64>)]) -> Vec<(&'a str, Vec<f64>)> {
+    let of = ["i_a", "motor_speed_rad_per_s", "u_v"];
+    coordinates.iter().filter(|(name, _)| of.contains(name)).cloned().collect()
 }
 
 /// What an equation is disturbed by; of a sensor about its mean, since nobody knows an encoder's zero
@@ -148,6 +159,7 @@ fn split(
     let unnamed_share = take(rest * unnamed.map_or(0.0, |unnamed| unnamed.share.value));
     let white = take(if before > 0.0 { white / before } else { 1.0 });
     let coloured = take(1.0);
+    let rms_left = (before * (unnamed_share + coloured) / samples).sqrt();
     let rms_after = (after / samples).sqrt();
     let unnamed_rms = rms_after * (unnamed_share / rest.max(1e-12)).sqrt();
     Budget {
@@ -159,9 +171,14 @@ fn split(
         rms_after,
         unnamed_follows: unnamed.map_or(String::new(), |unnamed| {
             let own = if unnamed.by_direction { ", by direction of motion" } else { "" };
-            format!("{}{own}", unnamed.follows)
+            match &unnamed.times {
+                Some(quantity) => format!("{}, times {quantity}", unnamed.follows),
+                None => format!("{}{own}", unnamed.follows),
+            }
         }),
         unnamed_of_drive: if drive > 0.0 { unnamed_rms / drive } else { 0.0 },
+        rms_left,
+        left_of_drive: if drive > 0.0 { rms_left / drive } else { 0.0 },
         ..Budget::default()
     }
 }
@@ -274,5 +291,8 @@ mod tests {
         assert!((budget.rms_after - 1.0).abs() < 1e-12);
         assert!((budget.unnamed_of_drive - 0.05).abs() < 1e-12, "{budget:?}");
         assert!((budget.unnamed - 0.0625).abs() < 1e-12);
+        // No white noise was given, so all of the one unit is left, a tenth of the drive.
+        assert!((budget.rms_left - 1.0).abs() < 1e-12);
+        assert!((budget.left_of_drive - 0.1).abs() < 1e-12);
     }
 }

@@ -1,19 +1,21 @@
 //! What a generic family of functions still predicts of a disturbance: the yardstick for effects.
 //!
-//! Curves over every coordinate of the joint, alone and for each direction of motion, are fitted to
-//! the disturbance and asked of the blocks that were left out, their neighbours left out as well
-//! (h-v block cross-validation, Racine, J. Econometrics 99, 2000). What such a curve predicts is a
+//! Curves over every coordinate of the joint, alone, for each direction of motion, and as the coefficient of
+//! current, speed or voltage (varying-coefficient models, Hastie and Tibshirani, J. R. Stat. Soc. B 55, 1993)
+//! are fitted to the disturbance and asked of the blocks that were left out, their neighbours left out as
+//! well (h-v block cross-validation, Racine, J. Econometrics 99, 2000). What such a curve predicts is a
 //! law that nobody has named; what it does not predict is no law of these coordinates.
 
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal as Gaussian};
 
 use super::blocks::{Blocks, Share, correlation_time, ratio};
 use super::hats::{Grid, Normal};
 
-/// Knots over a coordinate, coarse to fine: a trend, a curve, a line spectrum.
-const KNOTS: [usize; 3] = [12, 48, 192];
+/// Knots over a coordinate, coarse to fine: a trend, a course, a curve, a line spectrum, one of high orders.
+const KNOTS: [usize; 5] = [4, 12, 48, 192, 768];
 /// Samples that a knot has to have in the mean.
-const PER_KNOT: usize = 20;
+const PER_KNOT: usize = 16;
 /// Probability that any of the families looks like a law where there is none.
 const BY_CHANCE: f64 = 0.05;
 
@@ -24,35 +26,62 @@ pub struct Predicted {
     pub follows: String,
     /// Whether each direction of motion has a curve of its own.
     pub by_direction: bool,
+    /// The quantity that it is the coefficient of, if it is one.
+    pub times: Option<String>,
     /// Share of the disturbance's square, on blocks that the curve was not fitted to.
     pub share: Share,
 }
 
-/// The family that predicts most of a series on the samples of `asked`, if one does beyond chance.
-/// `coordinates` are by sample, `direction` is any quantity with the sign of the motion.
+/// What a curve is multiplied with.
+#[derive(Clone, Copy)]
+enum Beside<'a> {
+    Nothing,
+    Direction,
+    Quantity(&'a str, &'a [f64]),
+}
+
+/// The family that predicts most of a series on the samples of `asked`, if one does beyond chance on all.
+/// `coordinates` and `weights` are by sample, `direction` is any quantity with the sign of the motion.
 pub(super) fn predicted(
     series: &[f64],
     coordinates: &[(&str, Vec<f64>)],
+    weights: &[(&str, Vec<f64>)],
     direction: &[f64],
     asked: &[bool],
 ) -> Option<Predicted> {
     let mut families = Vec::new();
+    let weights = weights.iter().map(|(name, values)| Beside::Quantity(name, values));
+    let beside: Vec<Beside<'_>> =
+        [Beside::Nothing, Beside::Direction].into_iter().chain(weights).collect();
     for (name, values) in coordinates {
-        for by_direction in [false, true] {
+        for beside in &beside {
             let count = KNOTS.into_iter().filter(|knots| knots * PER_KNOT <= series.len());
-            families.extend(count.map(|knots| (*name, values, by_direction, knots)));
+            families.extend(count.map(|knots| (*name, values, *beside, knots)));
         }
     }
     let tests = families.len().max(1) as f64;
     let least = Gaussian::standard().inverse_cdf(1.0 - BY_CHANCE / tests);
     let correlation = correlation_time(series);
     let blocks = Blocks::of_series(&vec![true; series.len()], series);
-    let found = families.into_iter().filter_map(|(name, values, by_direction, knots)| {
-        let grid = Grid::new(values, by_direction.then_some(direction), knots)?;
+    let every = vec![true; series.len()];
+    let found = families.into_par_iter().filter_map(|(name, values, beside, knots)| {
+        let grid = match beside {
+            Beside::Nothing => Grid::new(values, None, knots)?,
+            Beside::Direction => Grid::new(values, Some(direction), knots)?,
+            Beside::Quantity(_, weights) => Grid::new(values, None, knots)?.times(weights)?,
+        };
+        // All samples say whether there is a law; those that no fit has seen, how much it is.
+        let sure = left_out(series, &grid, &blocks, correlation, &every);
+        if sure.value <= least * sure.error {
+            return None;
+        }
         let share = left_out(series, &grid, &blocks, correlation, asked);
-        let follows = name.to_owned();
-        let sure = share.value > least * share.error;
-        sure.then_some(Predicted { follows, by_direction, share })
+        let times = match beside {
+            Beside::Quantity(name, _) => Some(name.to_owned()),
+            _ => None,
+        };
+        let by_direction = matches!(beside, Beside::Direction);
+        Some(Predicted { follows: name.to_owned(), by_direction, times, share })
     });
     found.max_by(|a, b| a.share.value.total_cmp(&b.share.value))
 }
@@ -125,7 +154,7 @@ mod tests {
     fn asked(series: &[f64], angle: &[f64], speed: &[f64]) -> Option<Predicted> {
         let coordinates = [("angle", angle.to_vec()), ("speed", speed.to_vec())];
         let held: Vec<bool> = (0..SAMPLES).map(|k| (k / 300) % 3 == 0).collect();
-        predicted(series, &coordinates, speed, &held)
+        predicted(series, &coordinates, &[("speed", speed.to_vec())], speed, &held)
     }
 
     #[test]
@@ -154,6 +183,16 @@ mod tests {
         // A curve of a few dozen knots loses some to noise and ridge.
         let share = law / whole;
         assert!((found.share.value - share).abs() < 0.1, "{:?}, {share}", found.share);
+    }
+
+    #[test]
+    fn a_coefficient_that_follows_a_coordinate_is_told_with_its_quantity() {
+        let (angle, speed, noise) = motion(7, 0.9);
+        let rows = angle.iter().zip(&speed).zip(&noise);
+        let series: Vec<f64> =
+            rows.map(|((angle, speed), noise)| 2.0 * (2.0 * angle).sin() * speed + noise).collect();
+        let found = asked(&series, &angle, &speed).unwrap();
+        assert!(found.follows == "angle" && found.times.as_deref() == Some("speed"), "{found:?}");
     }
 
     #[test]

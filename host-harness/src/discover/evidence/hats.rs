@@ -3,10 +3,10 @@
 //! A sum of hat functions on an even grid can follow any smooth curve of a coordinate; its normal
 //! equations are tridiagonal, so that leaving out every block in turn costs next to nothing.
 
-/// Where samples stand on a grid of knots: the knot before each, and the share of the one after.
+/// Where samples stand on a grid of knots: the knot before each, and what it and the one after count.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
-    places: Vec<Option<(usize, f64)>>,
+    places: Vec<Option<(usize, [f64; 2])>>,
     knots: usize,
 }
 
@@ -26,11 +26,31 @@ impl Grid {
                 let along = (value - low) / (high - low) * last as f64;
                 let knot = (along as usize).min(last - 1);
                 let back = direction.is_some_and(|direction| direction[k] < 0.0);
-                (knot + if back { knots } else { 0 }, along - knot as f64)
+                let share = along - knot as f64;
+                (knot + if back { knots } else { 0 }, [1.0 - share, share])
             })
         };
         let places = values.iter().enumerate().map(place).collect();
         Some(Self { places, knots: if direction.is_some() { 2 * knots } else { knots } })
+    }
+
+    /// The same as the coefficient of another quantity, by its RMS; where that is no number a sample has no
+    /// place. `None` where it is zero everywhere.
+    pub(super) fn times(mut self, weights: &[f64]) -> Option<Self> {
+        let finite = weights.iter().filter(|weight| weight.is_finite());
+        let (squares, count) =
+            finite.fold((0.0, 0.0), |(sum, count), weight| (sum + weight * weight, count + 1.0));
+        let rms = f64::sqrt(squares / f64::max(count, 1.0));
+        if rms <= 0.0 || !rms.is_finite() {
+            return None;
+        }
+        for (place, weight) in self.places.iter_mut().zip(weights) {
+            let weight = weight / rms;
+            *place = place
+                .filter(|_| weight.is_finite())
+                .map(|(knot, shares)| (knot, shares.map(|share| share * weight)));
+        }
+        Some(self)
     }
 
     /// Number of coefficients.
@@ -40,8 +60,8 @@ impl Grid {
 
     /// The function with these coefficients at a sample; zero where it has no place.
     pub(super) fn value(&self, coefficients: &[f64], sample: usize) -> f64 {
-        self.places[sample].map_or(0.0, |(knot, share)| {
-            coefficients[knot] * (1.0 - share) + coefficients[knot + 1] * share
+        self.places[sample].map_or(0.0, |(knot, [here, next])| {
+            coefficients[knot] * here + coefficients[knot + 1] * next
         })
     }
 }
@@ -63,13 +83,12 @@ impl Normal {
     /// With more samples.
     pub(super) fn add(&mut self, grid: &Grid, series: &[f64], samples: std::ops::Range<usize>) {
         for k in samples {
-            let Some((knot, share)) = grid.places[k] else { continue };
-            let rest = 1.0 - share;
-            self.diagonal[knot] += rest * rest;
-            self.diagonal[knot + 1] += share * share;
-            self.beside[knot] += rest * share;
-            self.right[knot] += rest * series[k];
-            self.right[knot + 1] += share * series[k];
+            let Some((knot, [here, next])) = grid.places[k] else { continue };
+            self.diagonal[knot] += here * here;
+            self.diagonal[knot + 1] += next * next;
+            self.beside[knot] += here * next;
+            self.right[knot] += here * series[k];
+            self.right[knot + 1] += next * series[k];
         }
     }
 
@@ -133,6 +152,23 @@ mod tests {
         let found = normal.solved(1e-9);
         assert!(found[..4].iter().all(|c| (c - 1.0).abs() < 1e-6), "{found:?}");
         assert!(found[4..].iter().all(|c| (c + 1.0).abs() < 1e-6), "{found:?}");
+    }
+
+    #[test]
+    fn a_coefficient_that_varies_is_found_again() {
+        let values: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.01).collect();
+        let current: Vec<f64> = (0..1000).map(|k| 3.0 * (f64::from(k) * 0.07).sin()).collect();
+        let rms = (current.iter().map(|i| i * i).sum::<f64>() / 1000.0).sqrt();
+        let grid = Grid::new(&values, None, 4).unwrap();
+        let wanted = [1.0, -2.0, 0.5, 3.0];
+        let series: Vec<f64> = (0..1000).map(|k| grid.value(&wanted, k) * current[k]).collect();
+        let grid = grid.times(&current).unwrap();
+        let mut normal = Normal::empty(grid.knots());
+        normal.add(&grid, &series, 0..1000);
+        for (found, wanted) in normal.solved(1e-9).iter().zip(wanted) {
+            assert!((found - wanted * rms).abs() < 1e-7, "{found} {wanted}");
+        }
+        assert!(Grid::new(&values, None, 4).unwrap().times(&[0.0; 1000]).is_none());
     }
 
     #[test]
