@@ -19,8 +19,8 @@ const UNLISTED: f64 = 0.02;
 /// Most odds that are told.
 const MOST: f64 = 1e3;
 
-/// Sigmas by which a share is taken to be smaller than it was found: one-sided, 95 %.
-const SIGMAS: f64 = 1.645;
+/// Sigmas beyond which lies a twentieth of a normal deviate, one-sided.
+pub(super) const SIGMAS: f64 = 1.645;
 
 /// What a name stands beside.
 #[derive(Clone, Copy, Debug, PartialEq)]
