@@ -36,6 +36,7 @@ macro_rules! verbs {
 }
 
 verbs! {
+    Import => import,
     Simulate => simulate,
     CrossCheck => cross_check,
     Budget => budget,

@@ -10,6 +10,7 @@ pub mod estimate;
 pub mod export;
 pub mod fault;
 pub mod grid;
+pub mod import;
 pub mod inputs;
 pub mod interrupt;
 pub mod lanes;

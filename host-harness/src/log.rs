@@ -9,6 +9,7 @@ mod read;
 mod table;
 mod write;
 
+pub(crate) use doubts::wraps;
 pub use read::{Loaded, Need};
 pub use write::{compressed, write_columns};
 

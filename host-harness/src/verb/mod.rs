@@ -13,6 +13,7 @@ pub mod drive;
 pub mod export;
 pub mod flash;
 pub mod identify;
+pub mod import;
 mod load;
 pub mod monitor;
 pub mod observe;
