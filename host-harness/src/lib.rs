@@ -2,6 +2,7 @@
 
 pub mod cli;
 pub mod cross_check;
+pub mod datasheet;
 pub mod demo;
 pub mod discover;
 pub mod encoders;
