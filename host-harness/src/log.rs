@@ -10,6 +10,7 @@ mod table;
 mod write;
 
 pub(crate) use doubts::wraps;
+pub(crate) use read::unpacked;
 pub use read::{Loaded, Need};
 pub use write::{compressed, write_columns};
 

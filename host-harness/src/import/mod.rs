@@ -6,6 +6,8 @@
 //! what is assumed is told. docs/import.md has the map's grammar and the units.
 
 pub mod dialect;
+#[cfg(feature = "formats")]
+mod formats;
 pub mod map;
 pub mod map_file;
 pub mod number;

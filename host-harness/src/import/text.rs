@@ -1,29 +1,32 @@
 //! The text of a recording: decompressed, decoded, and told from files that are no text.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::fault::InputError;
+use crate::log::unpacked;
 
 /// First bytes of files that hold tables but no text, with what they are and how to convert them.
 const OTHERS: [(&[u8], &str, &str); 7] = [
     (
         b"PAR1",
         "a Parquet file",
-        "python -c \"import pandas; pandas.read_parquet('RAW').to_csv('raw.csv', index=False)\"",
+        "a `joint` built with --features formats reads it; or: python -c \"import pandas; pandas.read_parquet('RAW').to_csv('raw.csv', index=False)\"",
     ),
     (
         b"MATLAB 5.0 MAT-file",
         "a MATLAB file",
-        "in MATLAB: writetable(struct2table(load('RAW')), 'raw.csv'), or with scipy.io.loadmat",
+        "a `joint` built with --features formats reads it; or in MATLAB: writetable(struct2table(load('RAW')), 'raw.csv')",
     ),
     (
         b"\x89HDF\r\n",
         "an HDF5 file, as MATLAB writes since 7.3",
-        "in MATLAB: writetable(struct2table(load('RAW')), 'raw.csv'), or with h5py",
+        "save it with -v7, or as CSV in MATLAB: writetable(struct2table(load('RAW')), 'raw.csv')",
     ),
-    (b"\x89MCAP0\r\n", "an MCAP file", "export its topics as CSV, for example with PlotJuggler"),
+    (
+        b"\x89MCAP0\r\n",
+        "an MCAP file",
+        "a `joint` built with --features formats reads it; or export its topics as CSV, for example with PlotJuggler",
+    ),
     (b"#ROSBAG", "a ROS bag", "export its topics as CSV, for example with PlotJuggler"),
     (
         b"SQLite format 3",
@@ -38,21 +41,14 @@ const OTHERS: [(&[u8], &str, &str); 7] = [
 /// # Errors
 /// It cannot be read, or it is no text.
 pub fn read(path: &Path) -> Result<String, InputError> {
-    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-    let mut raw = BufReader::new(File::open(path).map_err(unreadable)?);
-    let mut bytes = Vec::new();
-    if raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]) {
-        flate2::bufread::MultiGzDecoder::new(raw).read_to_end(&mut bytes).map_err(|error| {
-            InputError::new(path, format!("cannot be decompressed: {error}"))
-                .help("the .gz file is cut short or damaged; compress it again")
-        })?;
-    } else {
-        raw.read_to_end(&mut bytes).map_err(unreadable)?;
-    }
-    decode(bytes, path)
+    decode(unpacked(path)?, path)
 }
 
 fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, InputError> {
+    #[cfg(feature = "formats")]
+    if let Some(text) = super::formats::text(&bytes, path)? {
+        return Ok(text);
+    }
     if let Some((_, what, how)) = OTHERS.iter().find(|(magic, ..)| bytes.starts_with(magic)) {
         return Err(InputError::new(path, format!("is {what}, and this reads text")).help(
             format!("convert it to CSV first: {}", how.replace("RAW", &path.display().to_string())),
@@ -99,6 +95,8 @@ mod tests {
         assert_eq!(text(b"\xfe\xff\0t\0,\0\xb0\0\n").unwrap(), "t,°\n");
     }
 
+    /// With the feature `formats`, some of them are read.
+    #[cfg(not(feature = "formats"))]
     #[test]
     fn files_that_are_no_text_are_named_with_the_way_to_convert_them() {
         for (magic, what, _) in OTHERS {

@@ -36,6 +36,16 @@ const CHANNEL: &str = "1.95.0";
 const COMPONENTS: [&str; 2] = ["rustfmt", "clippy"];
 const TARGETS: [&str; 2] = ["thumbv7em-none-eabihf", "thumbv7em-none-eabi"];
 
+/// A thing that `./check` needs.
+fn needed(
+    name: &str,
+    purpose: &'static str,
+    found: Option<String>,
+    install: impl Into<String>,
+) -> Finding {
+    Finding { name: name.to_owned(), purpose, found, needed: true, install: install.into() }
+}
+
 /// Runs a program and gives back what it printed; `None` where it is not there or fails.
 type Run<'a> = &'a dyn Fn(&str, &[&str]) -> Option<String>;
 
@@ -56,54 +66,40 @@ fn look(run: Run<'_>, exists: &dyn Fn(&str) -> bool) -> Vec<Finding> {
     let channel = CHANNEL;
     let first = |text: Option<String>| text.and_then(|text| text.lines().next().map(str::to_owned));
     let mut found = vec![
-        Finding {
-            name: "rustup".to_owned(),
-            purpose: "installs the pinned toolchain",
-            found: first(run("rustup", &["--version"])),
-            needed: true,
-            install: "curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh".to_owned(),
-        },
-        Finding {
-            name: format!("Rust {channel}"),
-            purpose: "builds everything",
-            found: first(run("rustup", &["run", channel, "rustc", "--version"])),
-            needed: true,
-            install: format!("rustup toolchain install {channel} --profile minimal"),
-        },
+        needed(
+            "rustup",
+            "installs the pinned toolchain",
+            first(run("rustup", &["--version"])),
+            "curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh",
+        ),
+        needed(
+            &format!("Rust {channel}"),
+            "builds everything",
+            first(run("rustup", &["run", channel, "rustc", "--version"])),
+            format!("rustup toolchain install {channel} --profile minimal"),
+        ),
     ];
-    let components = run("rustup", &["component", "list", "--installed", "--toolchain", channel]);
-    for component in COMPONENTS {
-        found.push(Finding {
-            name: component.to_owned(),
-            purpose: "format and lints",
-            found: listed(components.as_deref(), component),
-            needed: true,
-            install: format!("rustup component add {component} --toolchain {channel}"),
-        });
-    }
-    let targets = run("rustup", &["target", "list", "--installed", "--toolchain", channel]);
-    for target in TARGETS {
-        found.push(Finding {
-            name: target.to_owned(),
-            purpose: "firmware for Cortex-M4",
-            found: listed(targets.as_deref(), target),
-            needed: true,
-            install: format!("rustup target add {target} --toolchain {channel}"),
-        });
-    }
-    found.push(Finding {
-        name: "qemu-system-arm".to_owned(),
-        purpose: "runs the firmware: joint budget, tests",
-        found: first(run("qemu-system-arm", &["--version"])),
-        needed: true,
-        install: package(exists, ["qemu-system-arm", "qemu-system-arm", "qemu-system-arm", "qemu"]),
-    });
-    found.push(Finding {
-        name: "arm-none-eabi-gcc".to_owned(),
-        purpose: "builds the example of the C library",
-        found: first(run("arm-none-eabi-gcc", &["--version"])),
-        needed: true,
-        install: package(
+    let list = |what| run("rustup", &[what, "list", "--installed", "--toolchain", channel]);
+    let (components, targets) = (list("component"), list("target"));
+    found.extend(COMPONENTS.map(|component| {
+        let install = format!("rustup component add {component} --toolchain {channel}");
+        needed(component, "format and lints", listed(components.as_deref(), component), install)
+    }));
+    found.extend(TARGETS.map(|target| {
+        let install = format!("rustup target add {target} --toolchain {channel}");
+        needed(target, "firmware for Cortex-M4", listed(targets.as_deref(), target), install)
+    }));
+    found.push(needed(
+        "qemu-system-arm",
+        "runs the firmware: joint budget, tests",
+        first(run("qemu-system-arm", &["--version"])),
+        package(exists, ["qemu-system-arm", "qemu-system-arm", "qemu-system-arm", "qemu"]),
+    ));
+    found.push(needed(
+        "arm-none-eabi-gcc",
+        "builds the example of the C library",
+        first(run("arm-none-eabi-gcc", &["--version"])),
+        package(
             exists,
             [
                 "gcc-arm-none-eabi libnewlib-arm-none-eabi",
@@ -112,7 +108,7 @@ fn look(run: Run<'_>, exists: &dyn Fn(&str) -> bool) -> Vec<Finding> {
                 "--cask gcc-arm-embedded",
             ],
         ),
-    });
+    ));
     found.extend(debug_probe(exists));
     found
 }
