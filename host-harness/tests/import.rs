@@ -190,6 +190,79 @@ fn a_recording_becomes_a_log_and_its_map_serves_the_next() {
     assert_eq!(read("even.csv").log.len(), 99);
 }
 
+/// A command of the worked example, as the page has it.
+fn documented(verb: &str) -> Vec<String> {
+    let page = include_str!("../../docs/import.md");
+    let example = page.split("# A worked example").nth(1).unwrap();
+    let start = format!("joint {verb} ");
+    let line = example.lines().find(|line| line.starts_with(&start)).unwrap();
+    // A shell's quotes, as far as the page uses them: pairs of double ones.
+    let parts = line.split('"').enumerate();
+    let words = parts.flat_map(|(k, part)| match k % 2 {
+        0 => part.split_whitespace().map(str::to_owned).collect(),
+        _ => vec![part.to_owned()],
+    });
+    words.skip(1).collect()
+}
+
+/// The page's own commands on a recording of a joint like its own, with cogging: the log is what the
+/// joint did, to half a count and to the digits of the recorder.
+#[test]
+fn the_worked_example_gives_a_model_and_a_log_that_belong_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[String]| {
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let output = joint(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+    };
+    let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let path = |name: &str| folder.path().join(name);
+    run(&documented("new"));
+    let nominal = std::fs::read_to_string(path("arm.toml")).unwrap();
+    let cogging =
+        "\n[[effect]]\nkind = \"cogging\"\nlocation = \"motor\"\norder = 12\namplitude_nm = 1e-3\n";
+    std::fs::write(path("truth.toml"), nominal + cogging).unwrap();
+    let voltage = |k: u32| 6.0 * (f64::from(k) * 2e-4 * 9.0).sin();
+    let inputs: String =
+        (0..1500).map(|k| format!("{},{:.1},0\n", f64::from(k) * 2e-4, voltage(k))).collect();
+    std::fs::write(path("in.csv"), format!("t_s,u_v,motor_angle_rad\n{inputs}")).unwrap();
+    run(&words("simulate --model truth.toml --input in.csv --out did.csv"));
+    let mut did = csv::Reader::from_path(path("did.csv")).unwrap();
+    let header = did.headers().unwrap().clone();
+    let at = |name: &str| header.iter().position(|own| own == name).unwrap();
+    let names = ["t_s", "u_v", "current_a", "motor_angle_rad", "stage1_angle_rad"].map(at);
+    let did: Vec<[f64; 5]> = did
+        .records()
+        .map(|row| {
+            let row = row.unwrap();
+            names.map(|at| row[at].parse().unwrap())
+        })
+        .collect();
+    let counts = |angle: f64, turn: f64| (angle / std::f64::consts::TAU * turn).round();
+    let mut raw = String::from("time_ms;u;iq;pos;out\n");
+    for [t, u, i, motor, output] in &did {
+        let (t, i) = (t * 1e3, i * 1e3);
+        let (motor, output) = (counts(*motor, 4096.0), counts(*output, 65536.0));
+        raw.push_str(&format!("{t:.1};{u:.1};{i:.1};{motor};{output}\n").replace('.', ","));
+    }
+    std::fs::write(path("raw.csv"), raw).unwrap();
+    run(&documented("import"));
+    let log = Log::read(&path("log.csv"), Need::Drive).unwrap();
+    assert_eq!(log.warnings, Vec::<String>::new());
+    let log = log.log;
+    let (current, output) = (log.current_a.unwrap(), log.output_angle_rad.unwrap());
+    assert!(did.iter().any(|own| own[3].abs() > 10.0), "the joint has turned");
+    for (k, [t, _, i, motor, out]) in did.iter().enumerate() {
+        assert!((log.time_s[k] - t).abs() < 1e-12);
+        // Half of the last digit, 0.05 mA, and half a count, with a rounding to spare.
+        assert!((current[k] - i).abs() < 0.051e-3, "{k}");
+        let half_count = std::f64::consts::PI / 4096.0;
+        assert!((log.motor_angle_rad[k] - motor).abs() < 1.001 * half_count, "{k}");
+        assert!((output[k] - out).abs() < 1.001 * half_count / 16.0, "{k}");
+    }
+    run(&words("simulate --model arm.toml --input log.csv --out simulated.csv"));
+}
+
 #[test]
 fn presets_read_what_their_drives_write() {
     let vesc = "ms_today;input_voltage;temp_mos_max;temp_motor;current_motor;d_axis_current;q_axis_current;erpm;duty_cycle;tachometer;encoder_position;d_axis_voltage;q_axis_voltage;\n80069026;55.3;24;26.9;0;0;1.0;0;0;69465;359.4;0.001;2.0;\n80069126;55.3;24;26.9;0;0;2.0;0;0;69465;1.4;0.001;-1.0;\n80069126;55.3;24;26.9;0;0;2.0;0;0;69465;1.4;0.001;-1.0;\n80069226;55.3;24;26.9;0;0;2.0;0;0;69465;2.4;0.001;-1.0;\n";

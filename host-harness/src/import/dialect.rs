@@ -108,8 +108,7 @@ impl Dialect {
         };
         let split: Vec<Vec<String>> =
             looked.iter().map(|(_, line)| separator.split(line)).collect();
-        let comma_is_free = separator.leaves_comma();
-        let first = split.iter().position(|fields| holds_numbers(fields, comma_is_free))?;
+        let first = first_of_numbers(&split, separator.leaves_comma())?;
         let first_row = looked[first].0;
         let none = || Self {
             separator,
@@ -155,11 +154,31 @@ pub fn trimmed(fields: &[String]) -> usize {
     fields.len() - usize::from(fields.last().is_some_and(String::is_empty))
 }
 
-/// Whether a row is one of numbers: at least half of what is in it.
-fn holds_numbers(fields: &[String], comma_is_free: bool) -> bool {
-    let filled: Vec<&String> = fields.iter().filter(|field| !Numbers::is_missing(field)).collect();
-    let numbers = filled.iter().filter(|field| Numbers::looks_like(field, comma_is_free)).count();
-    numbers > 0 && 2 * numbers >= filled.len()
+/// The first row of the table's numbers. It is as wide as most rows, and most of what is in it are
+/// numbers; where half is, they stand where a late row has them: `Record length,10000` is a preamble.
+fn first_of_numbers(split: &[Vec<String>], comma_is_free: bool) -> Option<usize> {
+    let (width, _) = commonest_width(split)?;
+    let number = |field: &String| Numbers::looks_like(field, comma_is_free);
+    let late = split.iter().rev().find(|fields| trimmed(fields) == width)?;
+    split.iter().position(|fields| {
+        let filled = fields.iter().filter(|field| !Numbers::is_missing(field)).count();
+        let numbers = fields.iter().filter(|field| number(field)).count();
+        let alike = |(own, late): (&String, &String)| {
+            Numbers::is_missing(own) || Numbers::is_missing(late) || number(own) == number(late)
+        };
+        let as_wide = trimmed(fields) == width || fields.len() == late.len();
+        let half = 2 * numbers == filled && fields.iter().zip(late).all(alike);
+        numbers > 0 && as_wide && (2 * numbers > filled || half)
+    })
+}
+
+/// The number of fields that most rows have, and how many rows those are.
+fn commonest_width(split: &[Vec<String>]) -> Option<(usize, usize)> {
+    let mut widths = BTreeMap::new();
+    for fields in split {
+        *widths.entry(trimmed(fields)).or_insert(0_usize) += 1;
+    }
+    widths.into_iter().max_by_key(|(_, rows)| *rows)
 }
 
 /// Whether a row is one of units: nothing else in it, and at least one that is known.
@@ -183,12 +202,7 @@ fn separator_of(rows: &[Line<'_>]) -> Separator {
     let mut best = (0.0, Separator::Character(b','));
     for separator in Separator::ALL {
         let split: Vec<Vec<String>> = rows.iter().map(|(_, line)| separator.split(line)).collect();
-        let mut widths = BTreeMap::new();
-        for fields in &split {
-            *widths.entry(trimmed(fields)).or_insert(0_usize) += 1;
-        }
-        let commonest = widths.into_iter().max_by_key(|(_, rows)| *rows);
-        let Some((width, alike)) = commonest else { continue };
+        let Some((width, alike)) = commonest_width(&split) else { continue };
         if width < 2 || 2 * alike <= split.len() {
             continue;
         }
@@ -244,6 +258,17 @@ mod tests {
         assert_eq!(dialect.names, ["t", "i", "pos"]);
         assert_eq!(dialect.units, ["[ms]", "(mA)", "-"]);
         assert_eq!((dialect.header_line, dialect.first_row), (Some(4), 7));
+    }
+
+    #[test]
+    fn numbers_in_a_preamble_are_not_the_table() {
+        let scope = "Model,DS1054\nRecord length,3\nInterval,0.001\nt,i\ns,A\n0,1\n1,2\n2,3\n";
+        let dialect = told(scope);
+        assert_eq!((dialect.names, dialect.first_row), (vec!["t".into(), "i".into()], 6));
+        assert_eq!(dialect.units, ["s", "A"]);
+        let wide = "Record length,3\nt,i,pos\n0,1,hot\n1,2,3\n2,3,4\n";
+        assert_eq!(told(wide).first_row, 3, "a bad field in the first row stays one");
+        assert_eq!(told("t,a,i,b\n0,run,1,ok\n1,run,2,ok\n").first_row, 2, "half of it text");
     }
 
     #[test]
