@@ -242,7 +242,11 @@ pub(super) fn no_load_speed(sheet: &Datasheet, torque_constant: f64) -> Option<f
 fn load(sheet: &Datasheet) -> Vec<Line> {
     let mut lines = vec![match sheet.load_inertia_kg_m2 {
         Some(inertia) => stated("inertia_kg_m2", inertia, "load inertia"),
-        None => assumed("inertia_kg_m2", 0.0, "nothing is mounted at the output; a refit leaves a zero as it is"),
+        None => assumed(
+            "inertia_kg_m2",
+            0.0,
+            "nothing is mounted at the output; a refit leaves a zero as it is",
+        ),
     }];
     if let Some(gravity) = sheet.load_gravity_nm {
         lines.push(stated("gravity_nm", gravity, "gravity torque with the load level"));
