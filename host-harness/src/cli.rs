@@ -22,7 +22,7 @@ macro_rules! verbs {
     ($($name:ident => $module:ident,)*) => {
         #[derive(Debug, Subcommand)]
         enum Verb {
-            $($name(verb::$module::Args),)*
+            $($name(Box<verb::$module::Args>),)*
         }
 
         impl Verb {
@@ -36,6 +36,8 @@ macro_rules! verbs {
 }
 
 verbs! {
+    Import => import,
+    New => new,
     Simulate => simulate,
     CrossCheck => cross_check,
     Budget => budget,
@@ -50,6 +52,7 @@ verbs! {
     Flash => flash,
     Monitor => monitor,
     Capture => capture,
+    Doctor => doctor,
 }
 
 /// Runs the command line of this process.

@@ -2,6 +2,7 @@
 
 pub mod cli;
 pub mod cross_check;
+pub mod datasheet;
 pub mod demo;
 pub mod discover;
 pub mod encoders;
@@ -10,6 +11,7 @@ pub mod estimate;
 pub mod export;
 pub mod fault;
 pub mod grid;
+pub mod import;
 pub mod inputs;
 pub mod interrupt;
 pub mod lanes;

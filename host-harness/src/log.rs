@@ -9,6 +9,8 @@ mod read;
 mod table;
 mod write;
 
+pub(crate) use doubts::wraps;
+pub(crate) use read::unpacked;
 pub use read::{Loaded, Need};
 pub use write::{compressed, write_columns};
 

@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use host_harness::import::map_file;
+use host_harness::import::signal::Signal;
+use host_harness::import::unit::Scaling;
 use host_harness::log::{Log, Need};
 use host_harness::model::Model;
 use joint_core::effect::{Kind, ParameterSpec};
@@ -10,6 +13,7 @@ use joint_core::params::Location;
 const MODEL: &str = include_str!("../../docs/model-format.md");
 const EQUATIONS: &str = include_str!("../../docs/model.md");
 const LOG: &str = include_str!("../../docs/log-format.md");
+const IMPORT: &str = include_str!("../../docs/import.md");
 
 #[test]
 fn the_documented_model_is_read() {
@@ -66,4 +70,32 @@ fn the_documented_error_is_the_one_that_is_shown() {
     let text = "t_s,u_v,motor_angle_rad\n0,0,0\n0.0002,0,0\n0.0002,0,0\n";
     let error = Log::parse(text.as_bytes(), Path::new("arm.csv"), Need::Drive).unwrap_err();
     assert!(LOG.contains(&format!("error: {error}")), "{error}");
+}
+
+#[test]
+fn the_documented_map_file_is_read() {
+    let text = IMPORT.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let (map, settings) =
+        map_file::parse(text, Path::new("map.toml")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((map.entries.len(), settings.rate_hz), (1, Some(1000.0)));
+}
+
+/// Every unit in the table of units is one, of the signals of its row.
+#[test]
+fn the_documented_units_are_read() {
+    let row = |start: &str| IMPORT.lines().find(|line| line.starts_with(start)).unwrap();
+    let rows = [
+        ("| time |", vec![Signal::Time]),
+        ("| voltage, current |", vec![Signal::Voltage, Signal::Current]),
+        ("| angle |", vec![Signal::Motor]),
+        ("| torque |", vec![Signal::Load]),
+        ("| temperature |", vec![Signal::Temperature]),
+    ];
+    for (start, signals) in rows {
+        for unit in row(start).split('`').skip(1).step_by(2) {
+            let unit = unit.replace("/N", "/4096");
+            let known = |signal: &Signal| Scaling::parse(signal.quantity(), &unit).is_ok();
+            assert!(signals.iter().any(known), "{start} {unit}");
+        }
+    }
 }

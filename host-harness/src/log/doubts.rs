@@ -39,7 +39,7 @@ impl Log {
 }
 
 /// Samples before which an angle that moves little jumps by a turn.
-fn wraps(angle: &[f64]) -> Vec<usize> {
+pub(crate) fn wraps(angle: &[f64]) -> Vec<usize> {
     let step = |k: usize| angle[k] - angle[k - 1];
     let small = |k: usize| step(k).abs() < 0.25 * PI;
     (2..angle.len().saturating_sub(1))

@@ -36,17 +36,7 @@ impl Log {
     /// # Errors
     /// What is wrong with the file, with line and column.
     pub fn read(path: &Path, need: Need) -> Result<Loaded, InputError> {
-        let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-        let mut raw = BufReader::new(File::open(path).map_err(unreadable)?);
-        let mut bytes = Vec::new();
-        if raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]) {
-            flate2::bufread::MultiGzDecoder::new(raw).read_to_end(&mut bytes).map_err(|error| {
-                InputError::new(path, format!("cannot be decompressed: {error}"))
-                    .help("the .gz file is cut short or damaged; compress it again")
-            })?;
-        } else {
-            raw.read_to_end(&mut bytes).map_err(unreadable)?;
-        }
+        let bytes = unpacked(path)?;
         Self::parse(&bytes, path, need)
     }
 
@@ -58,6 +48,25 @@ impl Log {
         let table = Table::parse(bytes, path)?;
         table.into_log(path, need)
     }
+}
+
+/// The bytes of a file, decompressed where its content says that it is compressed.
+///
+/// # Errors
+/// It cannot be read or decompressed.
+pub(crate) fn unpacked(path: &Path) -> Result<Vec<u8>, InputError> {
+    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
+    let mut raw = BufReader::new(File::open(path).map_err(unreadable)?);
+    let mut bytes = Vec::new();
+    if raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]) {
+        flate2::bufread::MultiGzDecoder::new(raw).read_to_end(&mut bytes).map_err(|error| {
+            InputError::new(path, format!("cannot be decompressed: {error}"))
+                .help("the .gz file is cut short or damaged; compress it again")
+        })?;
+    } else {
+        raw.read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    Ok(bytes)
 }
 
 impl Table {

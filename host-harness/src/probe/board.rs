@@ -52,6 +52,11 @@ pub fn probe(selector: Option<&str>) -> Result<Probe, String> {
     }
 }
 
+/// Names of the probes that are connected.
+pub fn connected() -> Vec<String> {
+    Lister::new().list_all().iter().map(ToString::to_string).collect()
+}
+
 impl Board {
     /// Attaches to the chip.
     ///
