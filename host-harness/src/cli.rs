@@ -36,11 +36,13 @@ macro_rules! verbs {
 }
 
 verbs! {
+    Check => check,
     Simulate => simulate,
     CrossCheck => cross_check,
     Budget => budget,
     Reproduce => reproduce,
     Identify => identify,
+    Transfer => transfer,
     Discover => discover,
     Observe => observe,
     ObserveBench => observe_bench,

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::table::Table;
+use super::table::{Table, listed};
 use super::{CURRENT, KNOWN, Log, MOTOR_ANGLE, OUTPUT_ANGLE, TIME, VOLTAGE};
 use crate::fault::InputError;
 
@@ -36,18 +36,7 @@ impl Log {
     /// # Errors
     /// What is wrong with the file, with line and column.
     pub fn read(path: &Path, need: Need) -> Result<Loaded, InputError> {
-        let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-        let mut raw = BufReader::new(File::open(path).map_err(unreadable)?);
-        let mut bytes = Vec::new();
-        if raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]) {
-            flate2::bufread::MultiGzDecoder::new(raw).read_to_end(&mut bytes).map_err(|error| {
-                InputError::new(path, format!("cannot be decompressed: {error}"))
-                    .help("the .gz file is cut short or damaged; compress it again")
-            })?;
-        } else {
-            raw.read_to_end(&mut bytes).map_err(unreadable)?;
-        }
-        Self::parse(&bytes, path, need)
+        Self::parse(&text_of(path)?, path, need)
     }
 
     /// Reads a log from the bytes of a CSV file; `path` is what errors call it.
@@ -58,6 +47,28 @@ impl Log {
         let table = Table::parse(bytes, path)?;
         table.into_log(path, need)
     }
+}
+
+/// The text of a log's file, decompressed.
+fn text_of(path: &Path) -> Result<Vec<u8>, InputError> {
+    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
+    let mut raw = BufReader::new(File::open(path).map_err(unreadable)?);
+    let mut bytes = Vec::new();
+    if raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]) {
+        flate2::bufread::MultiGzDecoder::new(raw).read_to_end(&mut bytes).map_err(|error| {
+            InputError::new(path, format!("cannot be decompressed: {error}"))
+                .help("the .gz file is cut short or damaged; compress it again")
+        })?;
+    } else {
+        raw.read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    Ok(bytes)
+}
+
+/// The line of a log's file on which a row of numbers stands, rows from 0 and lines from 1; `None` where
+/// there is no such row.
+pub fn line_of_row(path: &Path, row: usize) -> Option<u64> {
+    Table::line_of_row(&text_of(path).ok()?, row)
 }
 
 impl Table {
@@ -81,7 +92,7 @@ impl Table {
             .filter(|name| !name.is_empty() && !KNOWN.contains(name))
             .collect();
         if !unknown.is_empty() {
-            warnings.push(format!("unknown columns are ignored: {}", unknown.join(", ")));
+            warnings.push(format!("unknown columns are ignored: {}", listed(&unknown)));
         }
         let mut take = |name: &str| self.take(name, &mut warnings);
         let log = Log {
@@ -108,7 +119,6 @@ impl Table {
             )
             .help(format!("add the voltage as {VOLTAGE} or the current as {CURRENT}")));
         }
-        warnings.extend(log.doubts());
         Ok(Loaded { log, warnings })
     }
 }
