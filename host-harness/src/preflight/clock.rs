@@ -105,11 +105,11 @@ fn stamps(case: &Case<'_>, typical: f64) -> Option<Finding> {
     }
     let (what, help) = match (acts((before, before_error)), acts((after, after_error))) {
         (true, _) => (
-            "the angle follows the interval before: each stamp belongs to the row before",
+            "the angle follows the interval before: each stamp belongs to the row after it",
             "shift t_s by a row",
         ),
         (_, true) => (
-            "the angle follows the interval after: each stamp belongs to the row after",
+            "the angle follows the interval after: each stamp belongs to the row before it",
             "shift t_s by a row",
         ),
         _ => (
@@ -127,15 +127,20 @@ mod tests {
     use super::*;
     use crate::demo::actuator;
     use crate::log::Log;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     /// A log at 1 ms whose instants jitter by so many samples, with stamps of `shift` rows before.
     fn found(jitter: f64, shift: Option<usize>) -> Vec<Finding> {
         let mut model = actuator();
         model.sensor.sample_time_s = 1e-3;
-        let off = |k: usize| jitter * ((k * 7919) % 17) as f64 / 17.0;
-        let instants: Vec<f64> = (0..4000).map(|k| 1e-3 * (k as f64 + off(k))).collect();
+        let mut random = ChaCha8Rng::seed_from_u64(6);
+        let mut jittered = || -> Vec<f64> {
+            (0..4000).map(|k| 1e-3 * (f64::from(k) + jitter * random.random::<f64>())).collect()
+        };
+        let (instants, others) = (jittered(), jittered());
         let stamp = |k: usize| match shift {
-            None => 1e-3 * (k as f64 + off(3 * k + 5)),
+            None => others[k],
             Some(rows) => instants[k - rows.min(k)] + 1e-3 * rows.min(k) as f64,
         };
         let log = Log {
@@ -155,7 +160,7 @@ mod tests {
 
     #[test]
     fn stamps_of_another_row_or_of_no_sample_are_told() {
-        assert!(found(0.3, Some(1))[0].message.contains("belongs to the row before"));
+        assert!(found(0.3, Some(1))[0].message.contains("belongs to the row before it"));
         assert!(found(0.3, None)[0].message.contains("not the instants of the samples"));
     }
 

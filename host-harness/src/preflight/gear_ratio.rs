@@ -1,7 +1,7 @@
 //! The gear ratio, measured from both encoders.
 //!
 //! With both angles in the log nobody has to believe a reduction: it is the slope of one over the other.
-//! A ratio that is off bends every fit and is told as an encoder's error. Wind-up, a late encoder and
+//! A ratio that is off biases every fit and is named as an encoder's error. Wind-up, a late encoder and
 //! backlash follow torque, acceleration, speed and its sign; the slope is fitted with and without these
 //! beside it, and what both fits agree on is the ratio.
 

@@ -1,7 +1,7 @@
 //! Whether a log and a model speak of the same machine, in the same units, before anything is fitted.
 //!
 //! A gear ratio that is off, a current in milliamperes, an angle in degrees or a model without friction are
-//! the first things that go wrong at a bench. No effect explains them, and a fit bends every parameter to
+//! the first things that go wrong at a bench. No effect explains them, and a fit biases every parameter to
 //! make up for them. Each check is one [`Check`] in a file of its own; it looks at the log through short
 //! windows ([`windows`]) and plain regressions ([`regression`]) whose errors come from the scatter between
 //! parts of the log, so that no bound depends on an assumed noise.
@@ -111,7 +111,11 @@ pub fn recording(log: &Log) -> Vec<Finding> {
 /// The sentences of the findings that doubt a log or its model, errors first: what a verdict's reasons tell.
 pub fn doubts(model: &Model, log: &Log) -> Vec<String> {
     let doubted = findings(model, log).into_iter().filter(|f| f.severity != Severity::Note);
-    doubted.map(|finding| finding.message).collect()
+    let told = |finding: Finding| match finding.help.as_str() {
+        "" => finding.message,
+        help => format!("{}: {help}", finding.message),
+    };
+    doubted.map(told).collect()
 }
 
 #[cfg(test)]

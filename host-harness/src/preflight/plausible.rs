@@ -1,6 +1,6 @@
 //! Values of the model that no joint has, though the equations take them.
 //!
-//! An inertia in g cm², a stiffness with a slip of the exponent or a reduction upside down: each turns into a
+//! An inertia in g cm², a stiffness with a mistake of the exponent or a reduction upside down: each turns into a
 //! time that no machine of this kind has. The bounds are wide; they are there to catch the powers of ten.
 
 use super::{Case, Check, Finding};

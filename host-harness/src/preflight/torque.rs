@@ -5,7 +5,7 @@
 //! only a factor that is nearer to a unit's than to one is told as an error.
 
 use super::torque_balance::{ACCELERATION, CERTAIN, TorqueBalance};
-use super::unit::{Slip, angle_slips, figure, nearest};
+use super::unit::{Mistake, angle_mistakes, figure, nearest};
 use super::{Case, Check, Finding, friction, winding};
 
 /// How well the inertia has to be known for a factor to be told, as a share of itself.
@@ -66,20 +66,20 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
             "inertia at the motor {ratio:.3} times the model's by {input} and the acceleration"
         ))];
     }
-    let mut slips = angle_slips(case.model);
-    slips.retain(|slip| slip.factor.ln().abs() > UNLIKELY.ln());
+    let mut mistakes = angle_mistakes(case.model);
+    mistakes.retain(|mistake| mistake.factor.ln().abs() > UNLIKELY.ln());
     // An angle that is multiplied by a factor shows an inertia that is divided by it.
-    slips.iter_mut().for_each(|slip| slip.factor = 1.0 / slip.factor);
+    mistakes.iter_mut().for_each(|mistake| mistake.factor = 1.0 / mistake.factor);
     if input == "i_a" {
-        slips.push(Slip { factor: 1e3, what: "i_a is in mA, not in A".into() });
+        mistakes.push(Mistake { factor: 1e3, what: "i_a is in mA, not in A".into() });
     }
     let told = format!(
         "{input} and the acceleration make an inertia of {} kg m² at the motor, {} times the model's",
         figure(inertia, error),
         figure(ratio, error / balance.inertia)
     );
-    vec![match nearest(&slips, ratio, NEAR) {
-        Some(slip) => Finding::error(format!("{told}: it looks as if {}", slip.what)).help(
+    vec![match nearest(&mistakes, ratio, NEAR) {
+        Some(mistake) => Finding::error(format!("{told}: it looks as if {}", mistake.what)).help(
             "convert the column, or correct rotor_inertia_kg_m2 and torque_constant_nm_per_a",
         ),
         None => Finding::warning(told).help(format!(

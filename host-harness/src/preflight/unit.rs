@@ -5,38 +5,41 @@ use std::f64::consts::TAU;
 use crate::model::Model;
 
 /// A mistake of unit or place: a factor that a measured constant is off by, and what it looks like.
-pub(super) struct Slip {
+pub(super) struct Mistake {
     pub(super) factor: f64,
     pub(super) what: String,
 }
 
-fn slip(factor: f64, what: impl Into<String>) -> Slip {
-    Slip { factor, what: what.into() }
+fn mistake(factor: f64, what: impl Into<String>) -> Mistake {
+    Mistake { factor, what: what.into() }
 }
 
 /// The mistakes that multiply a rotor angle, by what they multiply it with.
-pub(super) fn angle_slips(model: &Model) -> Vec<Slip> {
+pub(super) fn angle_mistakes(model: &Model) -> Vec<Mistake> {
     let reduction: f64 = model.stages.iter().map(|stage| stage.reduction).product();
-    let mut slips = vec![
-        slip(360.0 / TAU, "motor_angle_rad is in degrees, not in radians"),
-        slip(1.0 / TAU, "motor_angle_rad is in turns, not in radians"),
+    let mut mistakes = vec![
+        mistake(360.0 / TAU, "motor_angle_rad is in degrees, not in radians"),
+        mistake(1.0 / TAU, "motor_angle_rad is in turns, not in radians"),
     ];
     if model.motor.pole_pairs > 1 {
         let pairs = f64::from(model.motor.pole_pairs);
-        slips.push(slip(pairs, "motor_angle_rad is the electrical angle, not the mechanical one"));
+        mistakes.push(mistake(
+            pairs,
+            "motor_angle_rad is the electrical angle, not the mechanical one",
+        ));
     }
     if reduction.abs() != 1.0 {
         let what = "motor_angle_rad is the angle behind the gear, not the rotor's";
-        slips.push(slip(1.0 / reduction.abs(), what));
+        mistakes.push(mistake(1.0 / reduction.abs(), what));
     }
-    slips
+    mistakes
 }
 
-/// The slip whose factor is nearest to the measured one, in proportion, if any is nearer than one is and
+/// The mistake whose factor is nearest to the measured one, in proportion, if any is nearer than one is and
 /// within `within` of it.
-pub(super) fn nearest(slips: &[Slip], measured: f64, within: f64) -> Option<&Slip> {
-    let off = |slip: &&Slip| (measured / slip.factor).abs().ln().abs();
-    let best = slips.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+pub(super) fn nearest(mistakes: &[Mistake], measured: f64, within: f64) -> Option<&Mistake> {
+    let off = |mistake: &&Mistake| (measured / mistake.factor).abs().ln().abs();
+    let best = mistakes.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
     (off(&best) < measured.abs().ln().abs() && off(&best) < (1.0 + within).ln()).then_some(best)
 }
 
@@ -63,17 +66,17 @@ mod tests {
 
     #[test]
     fn a_factor_is_named_only_where_it_is_nearer_than_none() {
-        let slips = angle_slips(&actuator());
-        assert!(nearest(&slips, 1.1, 0.15).is_none());
-        assert!(nearest(&slips, 55.0, 0.15).unwrap().what.contains("degrees"));
-        assert!(nearest(&slips, 30.0, 0.15).is_none());
+        let mistakes = angle_mistakes(&actuator());
+        assert!(nearest(&mistakes, 1.1, 0.15).is_none());
+        assert!(nearest(&mistakes, 55.0, 0.15).unwrap().what.contains("degrees"));
+        assert!(nearest(&mistakes, 30.0, 0.15).is_none());
     }
 
     #[test]
     fn a_figure_has_the_digits_of_its_error() {
-        assert_eq!(figure(16.00234, 0.01), "16.0023");
+        assert_eq!(figure(16.00234, 0.01), "16.002");
         assert_eq!(figure(267.4, 30.0), "267");
-        assert_eq!(figure(-0.012345, 0.002), "-0.0123");
+        assert_eq!(figure(-0.012345, 0.002), "-0.012");
         assert_eq!(figure(1234.5, 500.0), "1234");
     }
 }

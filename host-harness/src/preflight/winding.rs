@@ -4,7 +4,7 @@
 //! so that it tells a wrong sign and a wrong unit from the log alone, and of which column.
 
 use super::regression::Rows;
-use super::unit::{angle_slips, nearest};
+use super::unit::{angle_mistakes, nearest};
 use super::windows::Windows;
 use super::{Case, Check, Finding};
 
@@ -59,12 +59,12 @@ fn judged(case: &Case<'_>, [resistance, back_emf]: [f64; 2]) -> Vec<Finding> {
     let emf = back_emf / (2.0 * motor.back_emf_constant());
     let mut all = Vec::new();
     if !(1.0 / FAR..FAR).contains(&emf) {
-        let slips = angle_slips(case.model);
+        let mistakes = angle_mistakes(case.model);
         let told = format!(
             "u_v and motor_angle_rad make a back-EMF constant of {emf:.3} times the model's"
         );
-        all.push(match nearest(&slips, 1.0 / emf, NEAR) {
-            Some(slip) => Finding::error(format!("{told}: it looks as if {}", slip.what))
+        all.push(match nearest(&mistakes, 1.0 / emf, NEAR) {
+            Some(mistake) => Finding::error(format!("{told}: it looks as if {}", mistake.what))
                 .help("convert the column, or correct the model"),
             None => Finding::warning(told).help("is it that motor, and are these its units?"),
         });
@@ -73,7 +73,7 @@ fn judged(case: &Case<'_>, [resistance, back_emf]: [f64; 2]) -> Vec<Finding> {
     if nominal > 0.0 {
         let ohm = resistance / nominal;
         let told = format!("u_v and i_a make a resistance of {ohm:.3e} times the model's");
-        if nearest(&[super::unit::Slip { factor: 1e-3, what: String::new() }], ohm, FAR - 1.0)
+        if nearest(&[super::unit::Mistake { factor: 1e-3, what: String::new() }], ohm, FAR - 1.0)
             .is_some()
         {
             all.push(

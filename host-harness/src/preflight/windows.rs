@@ -46,8 +46,8 @@ impl Weights<'_> {
         let s = (time - self.middle) / self.half;
         let r = (1.0 - s * s).max(0.0);
         let rate = -6.0 * s * r * r / self.half;
-        let bend = (24.0 * s * s * r - 6.0 * r * r) / (self.half * self.half);
-        [r * r * r, rate, bend]
+        let second = (24.0 * s * s * r - 6.0 * r * r) / (self.half * self.half);
+        [r * r * r, rate, second]
     }
 
     /// The trapezoid's share of a sample.
@@ -125,17 +125,17 @@ impl Windows {
             let own = &values[start..=start + self.width];
             // A straight line is taken off first: quadrature then errs on what is left of it alone.
             let slope = (own[self.width] - own[0]) / (2.0 * weights.half);
-            let (mut rate, mut bend, mut whole) = (0.0, 0.0, 0.0);
+            let (mut rate, mut second, mut whole) = (0.0, 0.0, 0.0);
             for k in 0..=self.width {
                 let time = weights.time_s[k];
                 let [phi, dot, dots] = weights.phi(time);
                 let share = weights.share(k);
                 let off = own[k] - own[0] - slope * (time - weights.time_s[0]);
                 rate -= share * dot * off;
-                bend += share * dots * off;
+                second += share * dots * off;
                 whole += share * phi;
             }
-            (slope + rate / whole, bend / whole)
+            (slope + rate / whole, second / whole)
         };
         self.each(time_s).map(both).unzip()
     }
@@ -208,14 +208,19 @@ mod tests {
         for even in [true, false] {
             let log = log(even);
             let windows = Windows::of(&log.time_s, 40);
-            let (rates, bends) = windows.derivatives(&log.time_s, &log.motor_angle_rad);
+            let (rates, accelerations) = windows.derivatives(&log.time_s, &log.motor_angle_rad);
             let of =
                 |f: &dyn Fn(f64) -> f64| -> Vec<f64> { log.time_s.iter().map(|t| f(*t)).collect() };
             let speed = windows.means(&log.time_s, &of(&|t| 5.0 + 20.0 * (20.0 * t).cos()));
-            let bend = windows.means(&log.time_s, &of(&|t| -400.0 * (20.0 * t).sin()));
+            let second = windows.means(&log.time_s, &of(&|t| -400.0 * (20.0 * t).sin()));
             for k in 0..windows.len() {
                 assert!((rates[k] - speed[k]).abs() < 0.02, "{} {}", rates[k], speed[k]);
-                assert!((bends[k] - bend[k]).abs() < 4.0, "{} {}", bends[k], bend[k]);
+                assert!(
+                    (accelerations[k] - second[k]).abs() < 4.0,
+                    "{} {}",
+                    accelerations[k],
+                    second[k]
+                );
             }
         }
     }
@@ -227,8 +232,9 @@ mod tests {
         let angle: Vec<f64> = std::iter::repeat_with(white).take(40_000).collect();
         let time_s: Vec<f64> = (0..angle.len()).map(|k| 1e-3 * k as f64).collect();
         let windows = Windows::of(&time_s, 40);
-        let (_, bends) = windows.derivatives(&time_s, &angle);
-        let rms = (bends.iter().map(|a| a * a).sum::<f64>() / bends.len() as f64).sqrt();
+        let (_, accelerations) = windows.derivatives(&time_s, &angle);
+        let rms =
+            (accelerations.iter().map(|a| a * a).sum::<f64>() / accelerations.len() as f64).sqrt();
         assert!((rms / windows.noise().1 - 1.0).abs() < 0.1, "{rms}");
         assert!((scatter(&angle) - 1.0).abs() < 0.05);
     }
