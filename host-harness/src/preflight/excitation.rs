@@ -223,6 +223,14 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
         seen.motor_turns,
         seen.output_turns
     ))];
+    if seen.speed_rad_per_s == [0.0, 0.0] && seen.motor_turns > 0.0 {
+        all.push(
+            Finding::warning(
+                "the joint never moves faster than its encoder scatters: nothing can be told",
+            )
+            .help("drive it through several reversals, at several speeds"),
+        );
+    }
     if !seen.parameters_untold.is_empty() {
         all.push(Finding::note(format!("cannot tell: {}", listed(&seen.parameters_untold))));
     }
@@ -251,6 +259,17 @@ mod tests {
         let seen = excitation(&Case::new(&model, &log));
         assert!(untold(&seen, "dead-time") && untold(&seen, "supply-sag"));
         assert!(seen.parameters_untold.iter().any(|(keys, _)| keys.contains("resistance")));
+    }
+
+    #[test]
+    fn a_joint_that_only_flickers_by_a_count_is_told() {
+        let (model, mut log) = actuator_and_log();
+        let count = std::f64::consts::TAU / 16384.0;
+        let flicker = |k: usize| count * f64::from((k * 7919 % 5 == 0) as u8);
+        log.motor_angle_rad = (0..log.len()).map(flicker).collect();
+        log.output_angle_rad = None;
+        let told = run(&Case::new(&model, &log));
+        assert!(told.iter().any(|told| told.message.contains("never moves faster")), "{told:?}");
     }
 
     #[test]
