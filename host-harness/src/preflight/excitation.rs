@@ -7,7 +7,7 @@ use joint_core::effect::Kind;
 use serde::Serialize;
 
 use super::torque_balance::TorqueBalance;
-use super::windows::{Windows, scatter};
+use super::windows::{Windows, scatter, travel};
 use super::{Case, Check, Finding};
 use crate::plant::output_shaft;
 
@@ -69,15 +69,10 @@ pub fn excitation(case: &Case<'_>) -> Excitation {
     sizes.sort_by(f64::total_cmp);
     let tenth = |share: f64| sizes.get((share * sizes.len() as f64) as usize).copied();
     let range = tenth(0.9).unwrap_or(0.0) > RANGE * tenth(0.1).unwrap_or(f64::INFINITY);
-    let travel = |angle: &[f64]| {
-        let known = angle.iter().filter(|a| a.is_finite());
-        let (low, high) =
-            known.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
-        (high - low).max(0.0) / std::f64::consts::TAU
-    };
-    let motor_turns = travel(&log.motor_angle_rad);
+    let turns = |angle: &[f64]| travel(angle) / std::f64::consts::TAU;
+    let motor_turns = turns(&log.motor_angle_rad);
     let output_turns = match &log.output_angle_rad {
-        Some(output) => travel(output),
+        Some(output) => turns(output),
         None => motor_turns * output_shaft(model).abs(),
     };
     let duration_s = log.time_s.last().unwrap_or(&0.0) - log.time_s.first().unwrap_or(&0.0);

@@ -1,6 +1,6 @@
 //! Channels that never change, or stop changing.
 
-use super::windows::scatter;
+use super::windows::{scatter, travel};
 use super::{Case, Check, Finding};
 use crate::log::{CURRENT, MOTOR_ANGLE, OUTPUT_ANGLE, VOLTAGE};
 use crate::plant::output_shaft;
@@ -17,12 +17,6 @@ pub(super) const CHECK: Check =
 
 fn run(case: &Case<'_>) -> Vec<Finding> {
     let log = case.log;
-    let travel = |angle: &[f64]| {
-        let known = angle.iter().filter(|a| a.is_finite());
-        let (low, high) =
-            known.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
-        (high - low).max(0.0)
-    };
     let turned = travel(&log.motor_angle_rad);
     if turned == 0.0 {
         return vec![

@@ -9,7 +9,7 @@
 use joint_core::per_unit::Bases;
 
 use super::regression::{Fit, Rows};
-use super::windows::{Windows, scatter};
+use super::windows::{Windows, extremes, scatter};
 use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{inertias, output_shaft};
@@ -148,9 +148,7 @@ impl TorqueBalance {
                 windows.means(&log.time_s, &log.motor_angle_rad).iter().map(|q| q * shaft).collect()
             }
         };
-        let known = || angles.iter().copied().filter(|angle| angle.is_finite());
-        let (low, high) =
-            known().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(q), h.max(q)));
+        let [low, high] = extremes(&angles);
         let periodic = high - low > HALF_TURN;
         let position = |angle: f64, periodic: bool| {
             if periodic {

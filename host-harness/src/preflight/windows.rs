@@ -176,6 +176,18 @@ impl Windows {
     }
 }
 
+/// The difference of a channel's largest and smallest known value.
+pub(super) fn travel(values: &[f64]) -> f64 {
+    let [low, high] = extremes(values);
+    (high - low).max(0.0)
+}
+
+/// The smallest and the largest known value.
+pub(super) fn extremes(values: &[f64]) -> [f64; 2] {
+    let known = values.iter().filter(|value| value.is_finite());
+    known.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
+}
+
 /// How an encoder's samples scatter, rad: by their third differences, and by the step of its counts.
 pub(crate) fn scatter(angle: &[f64]) -> f64 {
     let stride = angle.len() / 200_000 + 1;
