@@ -38,11 +38,13 @@ macro_rules! verbs {
 verbs! {
     Import => import,
     New => new,
+    Check => check,
     Simulate => simulate,
     CrossCheck => cross_check,
     Budget => budget,
     Reproduce => reproduce,
     Identify => identify,
+    Transfer => transfer,
     Discover => discover,
     Observe => observe,
     ObserveBench => observe_bench,

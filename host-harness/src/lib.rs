@@ -23,14 +23,17 @@ pub mod output;
 pub mod planetary;
 pub mod plant;
 pub mod plot;
+pub mod preflight;
 pub mod probe;
 pub mod reference;
 pub mod report;
 pub mod reproduce;
 pub mod scenario;
 pub mod score;
-pub mod setup;
+
 pub mod simulated;
+pub mod start;
 pub mod synthetic;
+pub mod transfer;
 pub mod verb;
 mod wide;

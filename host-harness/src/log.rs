@@ -4,14 +4,12 @@
 //! it means and what a missing value looks like is said once. docs/log-format.md describes the
 //! file.
 
-mod doubts;
 mod read;
 mod table;
 mod write;
 
-pub(crate) use doubts::wraps;
 pub(crate) use read::unpacked;
-pub use read::{Loaded, Need};
+pub use read::{Loaded, Need, line_of_row};
 pub use write::{compressed, write_columns};
 
 /// Columns of a log. A missing value is NaN; a missing column is `None`. `time_s` rises strictly

@@ -36,7 +36,7 @@ pub struct Inputs {
     pub time_s: Vec<f64>,
     /// What the drive imposes.
     pub drive: Drive,
-    /// Volts or amperes.
+    /// Volts or amperes; not a number where the drive lets go: no current flows then.
     pub drive_values: Vec<f64>,
     /// Load at the output, Nm, positive against positive motion.
     pub load_nm: Vec<f64>,
@@ -297,41 +297,86 @@ pub fn simulate_by(
     step_s: Option<f64>,
     micro_steps: Option<u32>,
 ) -> Result<Vec<Snapshot>, BuildError> {
-    let mut grid = Grid::new(&inputs.time_s, micro_steps);
-    grid.method = method;
-    if let Some(step) = step_s {
+    let options = Options { method, step_s, micro_steps, start: None };
+    simulate_from(&options, model, inputs, scalar)
+}
+
+/// How a model is run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// How it is stepped; `None` leaves it to the joint.
+    pub method: Option<Method>,
+    /// Longest step, s; `None` takes one step a sample.
+    pub step_s: Option<f64>,
+    /// Micro-steps in a step; `None` leaves it to the joint.
+    pub micro_steps: Option<u32>,
+    /// The state to begin with, as [`Layout`] has it; `None` begins at rest.
+    pub start: Option<Vec<f64>>,
+}
+
+/// Runs a model on inputs from a state.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_from(
+    options: &Options,
+    model: &Model,
+    inputs: &Inputs,
+    scalar: ScalarKind,
+) -> Result<Vec<Snapshot>, BuildError> {
+    let mut grid = Grid::new(&inputs.time_s, options.micro_steps);
+    grid.method = options.method;
+    if let Some(step) = options.step_s {
         let longest = grid.intervals.iter().copied().fold(0.0, f64::max);
         grid.per_interval = ((longest / step - 1e-6).ceil() as u32).max(1);
     }
     by_stages!(model.stages.len(), N => Ok(match scalar {
-        ScalarKind::F64 => run(&Built::<f64, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
-        ScalarKind::Fixed => run(&Built::<Fixed, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
-        ScalarKind::F32 => run(&Built::<f32, N>::new(model, &grid, inputs.drive)?, &grid, inputs, model),
+        ScalarKind::F64 => run::<f64, N>(options, &grid, inputs, model)?,
+        ScalarKind::Fixed => run::<Fixed, N>(options, &grid, inputs, model)?,
+        ScalarKind::F32 => run::<f32, N>(options, &grid, inputs, model)?,
     }))
 }
 
 fn run<S: Scalar, const N: usize>(
-    built: &Built<S, N>,
+    options: &Options,
     grid: &Grid,
     inputs: &Inputs,
     model: &Model,
-) -> Vec<Snapshot> {
+) -> Result<Vec<Snapshot>, BuildError> {
     let bases = Bases::si(&model.motor, &model.stages);
-    let mut state = built.joint(0).rest();
+    let built = Built::<S, N>::new(model, grid, inputs.drive)?;
+    // An open winding is a current of nothing.
+    let open = match inputs.drive_values.iter().any(|value| value.is_nan()) {
+        true => Some(Built::<S, N>::new(model, grid, Drive::Current)?),
+        false => None,
+    };
+    let mut state = match &options.start {
+        Some(flat) => unpack(built.joint(0), flat),
+        None => built.joint(0).rest(),
+    };
     let mut snapshots = Vec::with_capacity(inputs.time_s.len());
     for k in 0..inputs.time_s.len() {
-        let joint = built.joint(k);
+        let given = inputs.drive_values[k];
+        let (joint, drive, value) = match &open {
+            Some(open) if given.is_nan() => (open.joint(k), Drive::Current, 0.0),
+            _ => (built.joint(k), inputs.drive, given),
+        };
+        if given.is_nan() {
+            joint.set_current(&mut state, 0.0);
+        }
         snapshots.push(snapshot(joint, &state, &bases));
-        let drive = S::from_f64(inputs.drive_values[k]);
+        let drive_value = S::from_f64(value);
         let load = S::from_f64(inputs.load_nm.get(k).copied().unwrap_or(0.0));
-        if inputs.drive == Drive::Current {
-            joint.set_current(&mut state, joint.imposed_current(drive).to_f64());
+        if drive == Drive::Current {
+            let imposed =
+                if given.is_nan() { 0.0 } else { joint.imposed_current(drive_value).to_f64() };
+            joint.set_current(&mut state, imposed);
         }
         for _ in 0..grid.per_interval {
-            joint.step(&mut state, joint.input(drive, load));
+            joint.step(&mut state, joint.input(drive_value, load));
         }
     }
-    snapshots
+    Ok(snapshots)
 }
 
 fn snapshot<S: Scalar, const N: usize>(

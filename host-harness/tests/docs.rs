@@ -7,6 +7,7 @@ use host_harness::import::signal::Signal;
 use host_harness::import::unit::Scaling;
 use host_harness::log::{Log, Need};
 use host_harness::model::Model;
+use host_harness::preflight::CHECKS;
 use joint_core::effect::{Kind, ParameterSpec};
 use joint_core::params::Location;
 
@@ -20,6 +21,14 @@ fn the_documented_model_is_read() {
     let text = MODEL.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
     let model = Model::parse(text, Path::new("arm.toml")).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((model.stages.len(), model.effects.len()), (1, 1));
+}
+
+#[test]
+fn every_check_of_the_pre_flight_stands_in_its_table() {
+    for check in CHECKS {
+        let row = format!("\n| `{}` | ", check.name);
+        assert!(LOG.contains(&row), "docs/log-format.md lacks the row of {}", check.name);
+    }
 }
 
 #[test]

@@ -92,6 +92,7 @@ fn a_field_that_is_no_number_is_named_by_line_and_column() {
         ("NaN", "`NaN` is not a finite number"),
         ("-inf", "`-inf` is not a finite number"),
         ("1e999", "`1e999` is not a finite number"),
+        ("1e300", "`1e300` is larger than any measurement"),
     ];
     for (field, what) in cases {
         let text = format!("t_s,u_v,motor_angle_rad\r\n0,1,0\r\n0.1,{field},0\r\n");
@@ -174,7 +175,9 @@ fn a_file_that_is_no_text_is_an_error_and_no_panic() {
 
 fn values(rows: usize) -> impl Strategy<Value = Vec<f64>> {
     let field = prop_oneof![
-        4 => prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO,
+        // What single precision holds is taken.
+        4 => (prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO)
+            .prop_map(|value| value % 1e38),
         1 => Just(f64::NAN),
     ];
     // A column without any value is not kept, so the first one is there.
@@ -218,7 +221,7 @@ proptest! {
     fn reading_what_was_written_gives_the_same_log(log in logs()) {
         let (back, warnings) = parse(&log.to_csv()).map_err(TestCaseError::fail)?;
         prop_assert_eq!(bits(&back), bits(&log));
-        prop_assert_eq!(warnings, log.doubts());
+        prop_assert_eq!(warnings, Vec::<String>::new());
     }
 
     #[test]

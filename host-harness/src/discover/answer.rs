@@ -37,7 +37,7 @@ use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{BuildError, micro_steps};
-use crate::setup;
+use crate::preflight::{self, LEAST_SAMPLES};
 
 /// Steps of the progress bar.
 pub const STEPS: u64 = 8;
@@ -64,7 +64,7 @@ pub enum DiscoverError {
     #[error(transparent)]
     Join(#[from] JoinError),
     /// Too little to learn from.
-    #[error("the logs have {0} samples; give at least 200")]
+    #[error("the logs have {0} samples; give at least {LEAST_SAMPLES}")]
     Short(usize),
 }
 
@@ -93,7 +93,7 @@ pub fn discover_without(
     let began = Instant::now();
     let whole = Record::join(logs, None)?;
     let samples = whole.len();
-    if samples < 200 {
+    if samples < LEAST_SAMPLES {
         return Err(DiscoverError::Short(samples));
     }
     let coarse = whole.thinned(MOST_SAMPLES);
@@ -207,7 +207,7 @@ pub fn discover_without(
             record.len()
         ));
     }
-    let mut doubts: Vec<_> = logs.iter().flat_map(|log| setup::doubts(nominal, log)).collect();
+    let mut doubts: Vec<_> = logs.iter().flat_map(|log| preflight::doubts(nominal, log)).collect();
     doubts.sort();
     doubts.dedup();
     reasons.splice(0..0, doubts);

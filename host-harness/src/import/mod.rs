@@ -24,7 +24,8 @@ mod unwrap;
 use std::path::Path;
 
 use crate::fault::InputError;
-use crate::log::{Log, wraps};
+use crate::log::Log;
+use crate::preflight::wraps;
 
 use map::Map;
 use resolve::Source;

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::table::Table;
+use super::table::{Table, listed};
 use super::{CURRENT, KNOWN, Log, MOTOR_ANGLE, OUTPUT_ANGLE, TIME, VOLTAGE};
 use crate::fault::InputError;
 
@@ -69,6 +69,12 @@ pub(crate) fn unpacked(path: &Path) -> Result<Vec<u8>, InputError> {
     Ok(bytes)
 }
 
+/// The line of a log's file on which a row of numbers stands, rows from 0 and lines from 1; `None` where
+/// there is no such row.
+pub fn line_of_row(path: &Path, row: usize) -> Option<u64> {
+    Table::line_of_row(&unpacked(path).ok()?, row)
+}
+
 impl Table {
     /// Takes a column out; `None` where it is not there or holds no value.
     fn take(&mut self, name: &str, warnings: &mut Vec<String>) -> Option<Vec<f64>> {
@@ -90,7 +96,7 @@ impl Table {
             .filter(|name| !name.is_empty() && !KNOWN.contains(name))
             .collect();
         if !unknown.is_empty() {
-            warnings.push(format!("unknown columns are ignored: {}", unknown.join(", ")));
+            warnings.push(format!("unknown columns are ignored: {}", listed(&unknown)));
         }
         let mut take = |name: &str| self.take(name, &mut warnings);
         let log = Log {
@@ -117,7 +123,6 @@ impl Table {
             )
             .help(format!("add the voltage as {VOLTAGE} or the current as {CURRENT}")));
         }
-        warnings.extend(log.doubts());
         Ok(Loaded { log, warnings })
     }
 }

@@ -5,6 +5,30 @@ use std::path::Path;
 use super::{KNOWN, MOTOR_ANGLE, TIME};
 use crate::fault::InputError;
 
+/// What single precision holds: no sensor shows more, and no drive computes with it.
+const LARGEST: f64 = f32::MAX as f64;
+/// Names that are listed, and characters of one that are shown.
+const LISTED: usize = 8;
+const SHOWN: usize = 40;
+
+/// A text that a message can hold.
+pub(super) fn shortened(text: &str) -> String {
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// Names one after the other, as many as a message can hold.
+pub(super) fn listed(names: &[&str]) -> String {
+    let first: Vec<String> = names.iter().take(LISTED).map(|name| shortened(name)).collect();
+    let more = match names.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!("{}{more}", first.join(", "))
+}
+
 /// The file's columns in the file's order; those that no log has stay empty.
 pub(super) struct Table {
     pub(super) names: Vec<String>,
@@ -12,12 +36,20 @@ pub(super) struct Table {
 }
 
 impl Table {
+    /// The line of a row of numbers, rows from 0.
+    pub(super) fn line_of_row(bytes: &[u8], row: usize) -> Option<u64> {
+        let mut reader = records(bytes);
+        let mut record = csv::ByteRecord::new();
+        for _ in 0..row + 2 {
+            if !reader.read_byte_record(&mut record).ok()? {
+                return None;
+            }
+        }
+        Some(line_of(bytes, record.position()))
+    }
+
     pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Self, InputError> {
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(bytes);
+        let mut reader = records(bytes);
         let mut table: Option<Table> = None;
         let mut record = csv::StringRecord::new();
         let fault = |what: String| InputError::new(path, what);
@@ -60,7 +92,8 @@ impl Table {
             } else if names.iter().any(|name| name.contains([';', '\t'])) {
                 "columns are separated by commas".to_owned()
             } else {
-                format!("name the columns as in docs/log-format.md; found: {}", names.join(", "))
+                let all: Vec<&str> = names.iter().map(String::as_str).collect();
+                format!("name the columns as in docs/log-format.md; found: {}", listed(&all))
             };
             return Err(fault(format!("column {required} is missing")).help(help));
         }
@@ -88,7 +121,7 @@ impl Table {
                 continue;
             }
             let value = field(text).map_err(|what| {
-                fault(format!("column {name}: `{text}` {what}"))
+                fault(format!("column {name}: `{}` {what}", shortened(text)))
                     .help("write a number with a decimal point, or leave the field empty")
             })?;
             if name == TIME {
@@ -110,13 +143,23 @@ impl Table {
     }
 }
 
+/// The records of a CSV text, the header first.
+fn records(bytes: &[u8]) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(bytes)
+}
+
 /// A field's value, NaN where it is empty, or what is wrong with it.
 fn field(text: &str) -> Result<f64, &'static str> {
     if text.is_empty() {
         return Ok(f64::NAN);
     }
     match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) if value.abs() <= LARGEST => Ok(value),
+        Ok(value) if value.is_finite() => Err("is larger than any measurement"),
         Ok(_) => Err("is not a finite number"),
         Err(_) => Err("is not a number"),
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use joint_core::params::{self, Motor, ParameterError, Stage, Table as Place};
 use serde::de::DeserializeOwned;
-use toml_edit::{Document, Table};
+use toml_edit::{Document, Table, TableLike};
 
 use super::source::Source;
 use super::span::{Tables, elements, key};
@@ -45,6 +45,7 @@ impl Model {
                 .fault(format!("unknown key `{name}`"), key(root, name))
                 .help(format!("a model has: {}", KEYS.join(", "))));
         }
+        source.check_sizes(root)?;
         let model = source.model(root)?;
         model.check().map_err(|error| source.inadmissible(&Tables(root), &model, error))?;
         source.check_sensor(root, &model.sensor)?;
@@ -118,6 +119,30 @@ impl Source<'_> {
             || Ok(T::default()),
             |item| self.table(item, &format!("[{name}]"), key(root, name)),
         )
+    }
+
+    /// Refuses numbers that single precision, in which the joint runs on its drive, does not hold.
+    fn check_sizes(&self, table: &dyn TableLike) -> Result<(), InputError> {
+        for (name, item) in table.iter() {
+            if let Some(table) = item.as_table_like() {
+                self.check_sizes(table)?;
+            }
+            for (item, _) in elements(item).into_iter().flatten() {
+                if let Some(table) = item.as_table_like() {
+                    self.check_sizes(table)?;
+                }
+            }
+            let Some(value) = item.as_float().filter(|v| v.is_finite() && *v != 0.0) else {
+                continue;
+            };
+            let [low, high] = [f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX)];
+            if !(low..=high).contains(&value.abs()) {
+                let what = format!("{name} = {value:e}: no joint has such a value");
+                let help = "it is beyond what single precision holds; check its exponent";
+                return Err(self.fault(what, item.span()).help(help));
+            }
+        }
+        Ok(())
     }
 
     fn check_sensor(&self, root: &Table, sensor: &Sensor) -> Result<(), InputError> {

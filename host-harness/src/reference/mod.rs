@@ -105,6 +105,8 @@ pub struct Options {
     pub friction: Family,
     /// Process noise.
     pub disturbance: Disturbance,
+    /// The state to begin with, as [`Layout`](crate::plant::Layout) has it; `None` begins at rest.
+    pub start: Option<Vec<f64>>,
 }
 
 impl Default for Options {
@@ -121,6 +123,7 @@ impl Options {
             stribeck_exponent: 2.0,
             friction: Family::LuGre,
             disturbance: Disturbance::default(),
+            start: None,
         }
     }
 }
@@ -148,7 +151,7 @@ pub enum ReferenceError {
     Stiff(String),
 }
 
-/// Runs a model on inputs from rest; snapshot `k` is the state at `time_s[k]`.
+/// Runs a model on inputs, from rest where no other start is given; snapshot `k` is the state at `time_s[k]`.
 ///
 /// # Errors
 /// A model or inputs that make no sense, or a method that fails on them.
@@ -162,16 +165,20 @@ pub fn simulate(
         .with_friction(options.friction);
     let load = |k: usize| inputs.load_nm.get(k).copied().unwrap_or(0.0);
     let held = |k: usize| options.disturbance.at(k, inputs.drive_values[k], load(k));
+    let mut state = equations.rest();
+    if let Some(start) = &options.start {
+        let further = state.len().min(start.len());
+        state[..further].copy_from_slice(&start[..further]);
+    }
     if let Method::Stiff { tolerance } = options.method {
         if matches!(options.friction, Family::MaxwellSlip { .. }) {
             return Err(ReferenceError::Inputs(
                 "Maxwell-slip friction changes between distinct states: take an explicit method",
             ));
         }
-        return stiff::run(&equations, &inputs.time_s, held, tolerance);
+        return stiff::run(&equations, &inputs.time_s, held, tolerance, state);
     }
     let mut stepper = Stepper::new(&equations, options.method);
-    let mut state = equations.rest();
     let mut snapshots = Vec::with_capacity(inputs.time_s.len());
     snapshots.push(equations.snapshot(&state));
     for (k, pair) in inputs.time_s.windows(2).enumerate() {

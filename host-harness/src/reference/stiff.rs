@@ -69,6 +69,7 @@ pub(super) fn run(
     time_s: &[f64],
     held: impl Fn(usize) -> Held,
     tolerance: f64,
+    start: Vec<f64>,
 ) -> Result<Vec<Snapshot>, ReferenceError> {
     let failed = |error: diffsol::error::DiffsolError| ReferenceError::Stiff(error.to_string());
     let now = Cell::new(held(0));
@@ -86,14 +87,14 @@ pub(super) fn run(
                 slope(equations, &sizes, &now.get(), state, direction, product);
             },
         )
-        .init(|_, _, state: &mut [f64]| state.fill(0.0), length)
+        .init(|_, _, state: &mut [f64]| state.copy_from_slice(&start[..length]), length)
         .build()
         .map_err(failed)?;
     // Newton's iteration may circle at the corner of friction: only shorter steps cure that.
     problem.ode_options.max_nonlinear_solver_failures = 100_000;
     problem.ode_options.min_timestep = 1e-16;
     let mut solver = problem.esdirk34::<NalgebraLU<f64>>().map_err(failed)?;
-    let mut flat = equations.rest();
+    let mut flat = start.clone();
     let mut snapshots = vec![equations.snapshot(&flat)];
     for (k, time) in time_s.iter().enumerate().skip(1) {
         let input = held(k - 1);

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use joint_core::effect::Kind;
 
-use super::{Common, Failure, Outcome, read_log, read_model};
+use super::load::read_checked;
+use super::{Common, Failure, Outcome, read_model};
 use crate::discover::findings::{Answer, Findings};
 use crate::discover::{DiscoverError, STEPS, discover_without};
 use crate::interrupt;
-use crate::log::Need;
 use crate::output::OutDir;
 use crate::report;
 
@@ -33,6 +33,9 @@ pub struct Args {
     /// Kinds of effects that are not to be considered
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = kind)]
     pub without: Vec<Kind>,
+    /// Go on where log and model cannot both be right (see `joint check`)
+    #[arg(long)]
+    pub anyway: bool,
 }
 
 /// A kind by its name in model files.
@@ -49,8 +52,8 @@ fn kind(name: &str) -> Result<Kind, String> {
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let model = read_model(&args.model)?;
-    let logs: Vec<_> =
-        args.log.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
+    let checked = |path: &PathBuf| read_checked(path, &model, args.anyway);
+    let logs: Vec<_> = args.log.iter().map(checked).collect::<Result<_, _>>()?;
     let out = OutDir::new(&args.out, common.force)?;
     let bar = common.progress(STEPS, "discover");
     interrupt::watch();

@@ -6,17 +6,17 @@ use std::path::PathBuf;
 use nalgebra::DMatrix;
 use serde_json::{Map, json};
 
-use super::{Common, Failure, Outcome, read_log, read_model};
+use super::load::read_checked;
+use super::{Common, Failure, Outcome, read_model};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
 use crate::estimate::refit;
 use crate::estimate::timing::{self, timed};
-use crate::log::Need;
 use crate::model::Model;
 use crate::output::OutDir;
 use crate::plant::micro_steps;
-use crate::setup;
+use crate::preflight::LEAST_SAMPLES;
 
 /// A parameter whose uncertainty shrank by less than this is not determined by the log.
 const DETERMINED: f64 = 0.7;
@@ -37,6 +37,9 @@ pub struct Args {
     /// Folder for the result
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Go on where log and model cannot both be right (see `joint check`)
+    #[arg(long)]
+    pub anyway: bool,
 }
 
 /// Runs the verb.
@@ -45,17 +48,21 @@ pub struct Args {
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let model = read_model(&args.model)?;
-    let log = read_log(&args.log, Need::Drive)?;
+    let log = read_checked(&args.log, &model, args.anyway)?;
     let out = OutDir::new(&args.out, common.force)?;
-    for doubt in setup::doubts(&model, &log) {
-        eprintln!("warning: {}: {doubt}", args.log.display());
+    if log.len() < LEAST_SAMPLES {
+        let (log, samples) = (args.log.display(), log.len());
+        return Err(Failure::input(format!(
+            "{log}: has {samples} samples; give at least {LEAST_SAMPLES}"
+        )));
     }
     let bar = common.progress(0, "refitting");
     let coarse = Record::new(&log, None);
     let record = coarse.refined(micro_steps(&model, coarse.grid.interval(0)).max(2));
     let mask = vec![1.0; record.len()];
     let fitted = |record: &Record| refit::refit(&Problem::new(record, &mask).cautious(), &model);
-    let (record, fit) = timed(record, fitted).map_err(|error| Failure::input(error.to_string()))?;
+    let (record, fit) = timed(record, fitted)
+        .map_err(|error| Failure::input(format!("{}: {error}", args.model.display())))?;
     let problem = Problem::new(&record, &mask).cautious();
     bar.finish_and_clear();
     let rows = rows(&model, &fit, &problem.covariance(&fit));

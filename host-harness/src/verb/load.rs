@@ -5,9 +5,10 @@ use std::path::Path;
 use clap::ValueEnum;
 
 use super::Failure;
-use crate::log::{Log, Need};
+use crate::log::{Log, Need, line_of_row};
 use crate::model::Model;
 use crate::plant::ScalarKind;
+use crate::preflight::{self, Finding, Severity};
 
 /// Which number a verb computes in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -38,14 +39,54 @@ pub fn read_model(path: &Path) -> Result<Model, Failure> {
     Ok(Model::read(path)?)
 }
 
-/// Reads a log, with what is ignored in it listed once on standard error.
+/// Reads a log, with what is ignored in it and what it shows of its own mistakes on standard error.
 ///
 /// # Errors
 /// What is wrong with the file.
 pub fn read_log(path: &Path, need: Need) -> Result<Log, Failure> {
+    let log = read_plain(path, need)?;
+    for finding in preflight::recording(&log) {
+        eprintln!("warning: {}", told(path, &finding));
+    }
+    Ok(log)
+}
+
+/// Reads a log, with what is ignored in it on standard error.
+fn read_plain(path: &Path, need: Need) -> Result<Log, Failure> {
     let loaded = Log::read(path, need)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {}: {warning}", path.display());
     }
     Ok(loaded.log)
+}
+
+/// Reads a log and asks whether it and the model can speak of the same joint, before anything is fitted;
+/// `anyway` tells errors as warnings.
+///
+/// # Errors
+/// What is wrong with the file, or what log and model cannot both mean.
+pub(super) fn read_checked(path: &Path, model: &Model, anyway: bool) -> Result<Log, Failure> {
+    let log = read_plain(path, Need::Drive)?;
+    let findings = preflight::findings(model, &log);
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error);
+    let errors: Vec<String> = errors.map(|finding| told(path, finding)).collect();
+    if !errors.is_empty() && !anyway {
+        let all = errors.join("\n");
+        return Err(Failure::input(format!("{all}\n  (--anyway goes on in spite of it)")));
+    }
+    for finding in findings.iter().filter(|finding| finding.severity != Severity::Note) {
+        eprintln!("warning: {}", told(path, finding));
+    }
+    Ok(log)
+}
+
+/// A finding with its file, its line and what to do.
+pub(super) fn told(path: &Path, finding: &Finding) -> String {
+    let line = finding.row.and_then(|row| line_of_row(path, row));
+    let line = line.map(|line| format!(":{line}")).unwrap_or_default();
+    let help = match finding.help.as_str() {
+        "" => String::new(),
+        help => format!("\n  help: {help}"),
+    };
+    format!("{}{line}: {}{help}", path.display(), finding.message)
 }

@@ -6,6 +6,7 @@
 
 pub mod budget;
 pub mod capture;
+pub mod check;
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
@@ -23,6 +24,7 @@ pub mod observe_bench;
 pub mod reproduce;
 pub mod score;
 pub mod simulate;
+pub mod transfer;
 
 use std::time::Duration;
 

@@ -9,21 +9,25 @@ use clap::ValueEnum;
 use serde_json::json;
 
 use super::{Common, Failure, Outcome, Scalar, read_log, read_model};
-use crate::log::{Need, write_columns};
+use crate::inputs::Missing;
+use crate::log::{Log, MOTOR_ANGLE, Need, write_columns};
 use crate::model::Model;
 use crate::output::OutFile;
-use crate::plant::{Inputs, Snapshot};
+use crate::plant::{Inputs, Options, Snapshot, simulate_from};
 use crate::reference::{self, ReferenceError};
 use crate::simulated;
+use crate::start::Measured;
 
 /// Relative tolerance of the adaptive reference.
 const REFERENCE_TOLERANCE: f64 = 1e-8;
 
 /// Run a model on a log's inputs; the CSV has the log's columns and every state
 ///
-/// The voltage is imposed where the log has one, else the current; a known load is applied; a
-/// missing input holds the last value. The simulation starts at rest. Simulated current and angles
-/// take the place of the measured ones, the current as its sensor would show it without noise.
+/// The voltage is imposed where the log has one, else the current; a known load is applied. The
+/// simulation starts at the log's first state: its first angle, the speed of its first samples and the
+/// wind-up between its encoders. Single samples without an input hold the last value; where more than
+/// twenty follow each other the winding is open and the joint swings freely. Simulated current and
+/// angles take the place of the measured ones, the current as its sensor would show it without noise.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint simulate --model arm.toml --input arm.csv --out simulated.csv
@@ -48,6 +52,9 @@ pub struct Args {
     /// tolerance asks (reference)
     #[arg(long, value_name = "N", value_parser = super::positive)]
     pub step_us: Option<f64>,
+    /// Start at rest with every angle zero, whatever the log's first samples
+    #[arg(long)]
+    pub from_rest: bool,
 }
 
 /// How the equations are solved.
@@ -68,9 +75,24 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let out = OutFile::new(&args.out, common.force)?;
     let model = read_model(&args.model)?;
     let log = read_log(&args.input, Need::Drive)?;
-    let inputs = Inputs::from_log(&log);
+    let (inputs, missing) = match args.method {
+        Method::Embedded => Inputs::swinging(&log),
+        // Its equations have no open winding.
+        Method::Reference => (Inputs::from_log(&log), Missing::default()),
+    };
+    for told in missing.told(&log.time_s) {
+        eprintln!("note: {}: {told}", args.input.display());
+    }
+    if args.method == Method::Reference && !Inputs::swinging(&log).1.free.is_empty() {
+        let log = args.input.display();
+        eprintln!("note: {log}: where the input is missing the reference holds the last value");
+    }
+    let start = match args.from_rest {
+        true => None,
+        false => Some(first_state(args, &model, &log)?),
+    };
     let bar = common.progress(0, "simulating");
-    let snapshots = solve(args, &model, &inputs)?;
+    let snapshots = solve(args, &model, &inputs, start)?;
     bar.finish_and_clear();
     if let Some(k) = snapshots.iter().position(|snapshot| !is_finite(snapshot)) {
         let (model, time) = (args.model.display(), log.time_s[k]);
@@ -87,21 +109,39 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     ))
 }
 
-fn solve(args: &Args, model: &Model, inputs: &Inputs) -> Result<Vec<Snapshot>, Failure> {
+/// The state at the log's first sample.
+fn first_state(args: &Args, model: &Model, log: &Log) -> Result<Vec<f64>, Failure> {
+    let measured = Measured::new(model, log);
+    measured.at(0).ok_or_else(|| {
+        let log = args.input.display();
+        Failure::input(format!(
+            "{log}: the first row has no {MOTOR_ANGLE} to start from\n  help: remove the row, or give --from-rest"
+        ))
+    })
+}
+
+fn solve(
+    args: &Args,
+    model: &Model,
+    inputs: &Inputs,
+    start: Option<Vec<f64>>,
+) -> Result<Vec<Snapshot>, Failure> {
     let refused = |error: crate::plant::BuildError| {
         Failure::input(format!("{}: {error}", args.model.display()))
     };
     let step_s = args.step_us.map(|step| step * 1e-6);
     match (args.method, args.scalar) {
         (Method::Embedded, scalar) => {
-            crate::plant::simulate(model, inputs, scalar.into(), step_s, None).map_err(refused)
+            let options = Options { step_s, start, ..Options::default() };
+            simulate_from(&options, model, inputs, scalar.into()).map_err(refused)
         }
         (Method::Reference, Scalar::F64) => {
             let method = match step_s {
                 Some(step_s) => reference::Method::BogackiShampine { step_s },
                 None => reference::Method::Stiff { tolerance: REFERENCE_TOLERANCE },
             };
-            let snapshots = reference::simulate(model, inputs, &reference::Options::of(method))
+            let options = reference::Options { start, ..reference::Options::of(method) };
+            let snapshots = reference::simulate(model, inputs, &options)
                 .map_err(|error| unsolved(args, &error))?;
             resolved(args, model, inputs, &snapshots)?;
             Ok(snapshots)

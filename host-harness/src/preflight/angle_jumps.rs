@@ -3,7 +3,8 @@
 //! An angle that wraps or a sample that no joint can reach is no effect of the joint. Told when the log is
 //! read, it is not looked for in physics.
 
-use super::{Log, MOTOR_ANGLE, OUTPUT_ANGLE};
+use super::{Case, Check, Finding};
+use crate::log::{Log, MOTOR_ANGLE, OUTPUT_ANGLE};
 use std::f64::consts::{PI, TAU};
 
 /// How near to a whole turn a jump has to be, as a share of a turn.
@@ -13,29 +14,40 @@ const LEAP: f64 = 20.0;
 /// How many samples on either side are a neighbourhood.
 const AROUND: usize = 10;
 
-impl Log {
-    /// What is doubtful in the log's angles, a sentence each; nothing where all is well.
-    pub fn doubts(&self) -> Vec<String> {
-        let mut all = Vec::new();
-        let angles = [
-            (MOTOR_ANGLE, Some(&self.motor_angle_rad)),
-            (OUTPUT_ANGLE, self.output_angle_rad.as_ref()),
-        ];
-        for (name, angle) in angles.into_iter().filter_map(|(name, angle)| Some((name, angle?))) {
-            let told = |found: &[usize], what: &str| {
-                let first = found.first().and_then(|k| self.time_s.get(*k))?;
-                Some(format!("{name} {what} {} times, first at t_s = {first}", found.len()))
-            };
-            let wraps = wraps(angle);
-            all.extend(told(&wraps, "jumps by a turn between two samples"));
-            if !wraps.is_empty() {
-                all.push(format!("an angle counts on over whole turns: unwrap {name}"));
-                continue;
-            }
-            all.extend(told(&leaps(angle), "leaps for one sample and comes back"));
+pub(super) const CHECK: Check =
+    Check { name: "angle-jumps", compares: "each angle against its neighbours", run };
+
+fn run(case: &Case<'_>) -> Vec<Finding> {
+    of(case.log)
+}
+
+/// What is wrong with a log's angles.
+pub(super) fn of(log: &Log) -> Vec<Finding> {
+    let mut all = Vec::new();
+    let angles =
+        [(MOTOR_ANGLE, Some(&log.motor_angle_rad)), (OUTPUT_ANGLE, log.output_angle_rad.as_ref())];
+    for (name, angle) in angles.into_iter().filter_map(|(name, angle)| Some((name, angle?))) {
+        let told = |found: &[usize], what: &str| {
+            let (count, first) = (found.len(), log.time_s[found[0]]);
+            format!("{name} {what} {count} times, first at t_s = {first}")
+        };
+        let wraps = wraps(angle);
+        let leaps = leaps(angle);
+        if let Some(first) = wraps.first() {
+            all.push(
+                Finding::error(told(&wraps, "jumps by a turn between two samples"))
+                    .help(format!("an angle counts on over whole turns: unwrap {name}"))
+                    .at(*first),
+            );
+        } else if let Some(first) = leaps.first() {
+            all.push(
+                Finding::warning(told(&leaps, "leaps for one sample and comes back"))
+                    .help("leave these fields empty")
+                    .at(*first),
+            );
         }
-        all
     }
+    all
 }
 
 /// Samples before which an angle that moves little jumps by a turn.
@@ -68,36 +80,32 @@ fn leaps(angle: &[f64]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::made::{actuator_and_log, of};
     use super::*;
-    use crate::demo::actuator;
-    use crate::synthetic::{Experiment, record};
-
-    fn log() -> Log {
-        record(&actuator(), &Experiment::default(), 3).unwrap()
-    }
 
     #[test]
     fn a_good_log_raises_no_doubt() {
-        assert_eq!(log().doubts(), Vec::<String>::new());
+        let (model, log) = actuator_and_log();
+        assert_eq!(of(&CHECK, &model, &log), []);
     }
 
     #[test]
     fn an_angle_that_wraps_is_told_with_its_first_jump() {
-        let mut log = log();
+        let (model, mut log) = actuator_and_log();
         let before = log.motor_angle_rad.clone();
         for angle in &mut log.motor_angle_rad {
             *angle = (*angle + PI).rem_euclid(TAU) - PI;
         }
         let off = |k: &usize| (log.motor_angle_rad[*k] - before[*k]).abs() > 1.0;
-        let first = (0..log.len()).find(off).unwrap();
-        let doubts = log.doubts();
-        assert!(doubts[0].contains(&format!("t_s = {}", log.time_s[first])), "{doubts:?}");
-        assert!(doubts[1].ends_with("unwrap motor_angle_rad"), "{doubts:?}");
+        let first = (0..log.len()).find(off);
+        let told = of(&CHECK, &model, &log);
+        assert_eq!(told[0].row, first, "{told:?}");
+        assert!(told[0].help.ends_with("unwrap motor_angle_rad"), "{told:?}");
     }
 
     #[test]
     fn samples_that_no_joint_can_reach_are_counted() {
-        let mut log = log();
+        let (model, mut log) = actuator_and_log();
         let angle = log.output_angle_rad.as_mut().unwrap();
         angle[4000] += 0.3;
         angle[4500] -= 0.3;
@@ -105,6 +113,6 @@ mod tests {
             "output_angle_rad leaps for one sample and comes back 2 times, first at t_s = {}",
             log.time_s[4000]
         );
-        assert_eq!(log.doubts(), [told]);
+        assert_eq!(of(&CHECK, &model, &log)[0].message, told);
     }
 }
