@@ -25,7 +25,7 @@ use std::path::Path;
 
 use crate::fault::InputError;
 use crate::log::Log;
-use crate::preflight::wraps;
+use crate::preflight::{recording, wraps};
 
 use map::Map;
 use resolve::Source;
@@ -132,7 +132,10 @@ pub fn import(
     let signals = told(&sources, &series, &unwrapped, &time);
     let map = Map { entries: sources.iter().map(|source| source.entry.clone()).collect() };
     let log = log(path, &sources, series, time, &mut notes)?;
-    notes.extend(log.doubts());
+    notes.extend(recording(&log).into_iter().map(|finding| match finding.help.as_str() {
+        "" => finding.message,
+        help => format!("{}: {help}", finding.message),
+    }));
     Ok(Imported { log, signals, notes, map })
 }
 
