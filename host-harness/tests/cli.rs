@@ -196,6 +196,21 @@ fn every_verb_has_help_with_an_example() {
 }
 
 #[test]
+fn doctor_names_what_it_looked_for_and_its_code_follows() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = joint(folder.path(), "doctor --json");
+    let told = object(&output);
+    assert_eq!(output.status.code(), Some(if told["passed"] == true { 0 } else { 1 }));
+    let findings = told["findings"].as_array().unwrap();
+    assert!(findings.iter().any(|finding| finding["name"] == "qemu-system-arm"), "{told}");
+    for finding in findings {
+        assert!(!finding["install"].as_str().unwrap().is_empty(), "{finding}");
+        let lacks = finding["needed_by_check"] == true && finding["found"] == false;
+        assert!(told["passed"] == false || !lacks, "{finding}");
+    }
+}
+
+#[test]
 fn a_kind_that_is_not_on_the_list_is_refused_with_the_list() {
     let folder = folder();
     let refused =

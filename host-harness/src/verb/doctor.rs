@@ -13,7 +13,6 @@ use super::{Common, Failure, Outcome};
 /// this program.
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(after_help = "Example:
-  joint doctor
   joint doctor --json")]
 pub struct Args {}
 
