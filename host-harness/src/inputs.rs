@@ -128,7 +128,10 @@ mod tests {
             ..Log::default()
         };
         let (inputs, missing) = Inputs::swinging(&log);
-        assert_eq!(missing, Missing { held: 2, free: vec![50..80] });
+        assert_eq!(
+            (missing.held, missing.free.as_slice()),
+            (2, [Range { start: 50, end: 80 }].as_slice())
+        );
         assert_eq!(inputs.drive_values[11], 2.0);
         assert!(
             (50..80).all(|k| inputs.drive_values[k].is_nan()) && inputs.drive_values[80] == 2.0

@@ -107,6 +107,24 @@ fn both_numbers_and_both_methods_agree() {
 }
 
 #[test]
+fn a_run_begins_at_the_first_state_of_its_log_by_both_methods() {
+    let folder = folder();
+    assert_eq!(simulate(folder.path(), "").status.code(), Some(0));
+    let whole = std::fs::read_to_string(folder.path().join("o.csv")).unwrap();
+    // The simulated log from its middle on, where the joint turns and its bristles are stretched.
+    let rest: Vec<&str> = whole.lines().take(1).chain(whole.lines().skip(1001)).collect();
+    std::fs::write(folder.path().join("l.csv"), rest.join("\n")).unwrap();
+    let last = whole.lines().next_back().unwrap().split(',').nth(3).unwrap();
+    let last: f64 = last.parse().unwrap();
+    for more in ["--force", "--force --method reference", "--force --scalar f32"] {
+        assert_eq!(simulate(folder.path(), more).status.code(), Some(0), "{more}");
+        let angle = column(folder.path(), "motor_angle_rad");
+        // The start's speed is good to a thousandth of the 6 rad that follow, and so is the method.
+        assert!((angle.last().unwrap() - last).abs() < 6e-3, "{more}: {:?} {last}", angle.last());
+    }
+}
+
+#[test]
 fn with_json_standard_output_is_one_object_whether_it_went_well_or_not() {
     let folder = folder();
     let done = object(&simulate(folder.path(), "--json"));

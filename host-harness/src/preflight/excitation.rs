@@ -260,7 +260,7 @@ mod tests {
     fn a_joint_that_only_flickers_by_a_count_is_told() {
         let (model, mut log) = actuator_and_log();
         let count = std::f64::consts::TAU / 16384.0;
-        let flicker = |k: usize| count * f64::from((k * 7919 % 5 == 0) as u8);
+        let flicker = |k: usize| count * f64::from(u8::from((k * 7919).is_multiple_of(5)));
         log.motor_angle_rad = (0..log.len()).map(flicker).collect();
         log.output_angle_rad = None;
         let told = run(&Case::new(&model, &log));

@@ -38,11 +38,20 @@ pub struct Finding {
     pub help: String,
     /// The row of the log where it begins, from 0, where it is about one.
     pub row: Option<usize>,
+    /// Whether it is about the model's file and not about the log's.
+    pub of_model: bool,
 }
 
 impl Finding {
     pub(super) fn new(severity: Severity, message: impl Into<String>) -> Self {
-        Self { check: "", severity, message: message.into(), help: String::new(), row: None }
+        Self {
+            check: "",
+            severity,
+            message: message.into(),
+            help: String::new(),
+            row: None,
+            of_model: false,
+        }
     }
 
     pub(super) fn error(message: impl Into<String>) -> Self {
@@ -64,6 +73,11 @@ impl Finding {
 
     pub(super) fn at(mut self, row: usize) -> Self {
         self.row = Some(row);
+        self
+    }
+
+    pub(super) fn of_model(mut self) -> Self {
+        self.of_model = true;
         self
     }
 

@@ -74,7 +74,7 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
             .help("a reduction is input over output turns: 16 for 16:1"),
         );
     }
-    all
+    all.into_iter().map(Finding::of_model).collect()
 }
 
 #[cfg(test)]

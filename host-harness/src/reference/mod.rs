@@ -167,8 +167,13 @@ pub fn simulate(
     let held = |k: usize| options.disturbance.at(k, inputs.drive_values[k], load(k));
     let mut state = equations.rest();
     if let Some(start) = &options.start {
-        let further = state.len().min(start.len());
-        state[..further].copy_from_slice(&start[..further]);
+        let known = state.len().min(start.len());
+        state[..known].copy_from_slice(&start[..known]);
+        // A bristle's stretch in place of its torque over the Coulomb level.
+        for (k, mass) in equations.masses.iter().enumerate() {
+            let bristle = &mut state[equations.layout().bristle(k)];
+            *bristle *= if mass.sigma0 > 0.0 { mass.alpha0 / mass.sigma0 } else { 0.0 };
+        }
     }
     if let Method::Stiff { tolerance } = options.method {
         if matches!(options.friction, Family::MaxwellSlip { .. }) {

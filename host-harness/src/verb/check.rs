@@ -11,9 +11,9 @@ use crate::log::{Log, Need};
 use crate::model::Model;
 use crate::preflight::{self, CHECKS, Case, Finding, Severity};
 
-/// Check a model and logs against each other without a fit: units, signs, gear ratio, timing, excitation
+/// Check a model and logs against each other, without a fit
 ///
-/// Errors are what log and model cannot both mean, warnings what would bias a fit, notes what was
+/// Units, signs, gear ratio, timing, what the model lacks and what the log can tell: errors are what log and model cannot both mean, warnings what would bias a fit, notes what was
 /// measured. `discover` and `identify` ask the same and stop at errors. Exit code 1 where there is an
 /// error.
 #[derive(Clone, Debug, clap::Args)]
@@ -43,7 +43,12 @@ pub fn run(args: &Args, _: &Common) -> Result<Outcome, Failure> {
             let _ = writeln!(text, "note: {}: {warning}", path.display());
         }
         for finding in &findings {
-            let _ = writeln!(text, "{}: {}", finding.severity.name(), told(path, finding));
+            let _ = writeln!(
+                text,
+                "{}: {}",
+                finding.severity.name(),
+                told([&args.model, path], finding)
+            );
         }
         logs.push(object(path, &model, &loaded.log, &loaded.warnings, &findings));
     }

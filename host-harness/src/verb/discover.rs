@@ -52,7 +52,7 @@ fn kind(name: &str) -> Result<Kind, String> {
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let model = read_model(&args.model)?;
-    let checked = |path: &PathBuf| read_checked(path, &model, args.anyway);
+    let checked = |path: &PathBuf| read_checked(path, (&args.model, &model), args.anyway);
     let logs: Vec<_> = args.log.iter().map(checked).collect::<Result<_, _>>()?;
     let out = OutDir::new(&args.out, common.force)?;
     let bar = common.progress(STEPS, "discover");

@@ -48,7 +48,7 @@ pub struct Args {
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let model = read_model(&args.model)?;
-    let log = read_checked(&args.log, &model, args.anyway)?;
+    let log = read_checked(&args.log, (&args.model, &model), args.anyway)?;
     let out = OutDir::new(&args.out, common.force)?;
     if log.len() < LEAST_SAMPLES {
         let (log, samples) = (args.log.display(), log.len());

@@ -46,7 +46,7 @@ pub fn read_model(path: &Path) -> Result<Model, Failure> {
 pub fn read_log(path: &Path, need: Need) -> Result<Log, Failure> {
     let log = read_plain(path, need)?;
     for finding in preflight::recording(&log) {
-        eprintln!("warning: {}", told(path, &finding));
+        eprintln!("warning: {}", told([path, path], &finding));
     }
     Ok(log)
 }
@@ -65,23 +65,30 @@ fn read_plain(path: &Path, need: Need) -> Result<Log, Failure> {
 ///
 /// # Errors
 /// What is wrong with the file, or what log and model cannot both mean.
-pub(super) fn read_checked(path: &Path, model: &Model, anyway: bool) -> Result<Log, Failure> {
+pub(super) fn read_checked(
+    path: &Path,
+    (model_path, model): (&Path, &Model),
+    anyway: bool,
+) -> Result<Log, Failure> {
     let log = read_plain(path, Need::Drive)?;
     let findings = preflight::findings(model, &log);
-    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error);
-    let errors: Vec<String> = errors.map(|finding| told(path, finding)).collect();
-    if !errors.is_empty() && !anyway {
-        let all = errors.join("\n");
-        return Err(Failure::input(format!("{all}\n  (--anyway goes on in spite of it)")));
+    let errors = || findings.iter().filter(|finding| finding.severity == Severity::Error);
+    if errors().next().is_some() && !anyway {
+        let all: Vec<String> = errors().map(|finding| told([model_path, path], finding)).collect();
+        return Err(Failure::input(format!(
+            "{}\n  (--anyway goes on in spite of it, where there is enough to fit)",
+            all.join("\n")
+        )));
     }
     for finding in findings.iter().filter(|finding| finding.severity != Severity::Note) {
-        eprintln!("warning: {}", told(path, finding));
+        eprintln!("warning: {}", told([model_path, path], finding));
     }
     Ok(log)
 }
 
-/// A finding with its file, its line and what to do.
-pub(super) fn told(path: &Path, finding: &Finding) -> String {
+/// A finding with its file, the model's or the log's, its line and what to do.
+pub(super) fn told([model, log]: [&Path; 2], finding: &Finding) -> String {
+    let path = if finding.of_model { model } else { log };
     let line = finding.row.and_then(|row| line_of_row(path, row));
     let line = line.map(|line| format!(":{line}")).unwrap_or_default();
     let help = match finding.help.as_str() {

@@ -10,7 +10,7 @@ use crate::log::Need;
 use crate::output::OutDir;
 use crate::transfer::{Errors, Transfer, transfer};
 
-/// Free runs of any models on any logs: the error of each signal in SI units
+/// Run any models freely on any logs, with errors in SI units
 ///
 /// A model is run by a log's input alone from its first state: as it is, with one scale on all friction
 /// that the first seconds give, and over windows of a second from the measured state. Beside it stand
