@@ -50,15 +50,21 @@ pub(crate) fn stepped(effects: &[EffectParameters]) -> Cow<'_, [EffectParameters
 
 /// What acts over the interval after sample `k` of these times where every value is held from its sample
 /// on and acts `delay_s` later: `each` is told the sample whose value it is, from when and until when. The
-/// first value acts before its time too.
-pub(crate) fn pieces(
+/// first value acts before its time too, and what is shorter than can be stepped on its own is left out.
+pub(crate) fn pieces(time_s: &[f64], k: usize, delay_s: f64, each: impl FnMut(usize, f64, f64)) {
+    pieces_from(LEAST, time_s, k, delay_s, each);
+}
+
+/// The same without what is shorter than a share of the interval.
+fn pieces_from(
+    least: f64,
     time_s: &[f64],
     k: usize,
     delay_s: f64,
     mut each: impl FnMut(usize, f64, f64),
 ) {
     let (Some(&begin), Some(&end)) = (time_s.get(k), time_s.get(k + 1)) else { return };
-    let least = LEAST * (end - begin);
+    let least = least * (end - begin);
     let mut source = time_s.partition_point(|time| time + delay_s <= begin + least).max(1) - 1;
     let mut from = begin;
     while from < end {
@@ -82,7 +88,7 @@ pub(crate) fn switched(values: &[f64], time_s: &[f64], delay_s: f64, share: f64)
         let interval = pair[1] - pair[0];
         let middle = pair[0] + share * interval;
         let mut sums = [0.0; 2];
-        pieces(time_s, k, delay_s, |source, from, until| {
+        pieces_from(0.0, time_s, k, delay_s, |source, from, until| {
             sums[0] += values[source] * (until.min(middle) - from).max(0.0);
             sums[1] += values[source] * (until - from.max(middle)).max(0.0);
         });

@@ -123,4 +123,31 @@ mod tests {
         assert_eq!(names, [(Kind::SensorDelay, Location::Encoder)]);
         assert_eq!(record.lead_s, half);
     }
+
+    #[test]
+    fn encoders_that_are_late_alike_are_an_input_that_acts_late() {
+        let nominal = actuator();
+        let mut truth = nominal.clone();
+        // A third of an interval: as a command it would be ahead of its stamp.
+        let wanted = 0.3 * nominal.sensor.sample_time_s;
+        for encoder in [Location::Encoder, Location::OutputEncoder] {
+            let late = EffectParameters::new(Kind::SensorDelay, encoder);
+            truth.effects.push(late.with("delay_s", wanted));
+        }
+        let second = Experiment { duration_s: 1.0, ..Experiment::default() };
+        let mut log = record(&truth, &second, 3).unwrap();
+        log.voltage_v = None;
+        let record = Record::new(&log, Some(2));
+        let mask = vec![1.0; record.len()];
+        let half = 0.5 * record.grid.typical_interval();
+        let (record, found) =
+            search_timed(record, &mask, &nominal, &[], &ProgressBar::hidden()).unwrap();
+        let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
+        assert_eq!(names, [(Kind::InputDelay, Location::Inverter)]);
+        assert_eq!(record.lead_s, half);
+        // Between samples a measured current is not the step that is taken for it: on a ramp its middle is
+        // right, on a bend less so, by a tenth of half an interval at most.
+        let found = found.after.fit.model.effects[0].values[0];
+        assert!((found - wanted).abs() < 0.1 * half, "{found} {wanted}");
+    }
 }

@@ -56,12 +56,8 @@ impl<const N: usize> Linear for Built<N> {
         by_drive.resize(slopes + n, 0.0);
         let transition = &mut transition[transitions..];
         let by_drive = &mut by_drive[slopes..];
-        let (mut first, mut driven) = ([0.0; MOST * MOST], [0.0; MOST]);
-        for (number, (joint, drive)) in self.parts(k, drives).enumerate() {
-            if number > 0 {
-                first[..n * n].copy_from_slice(transition);
-                driven[..n].copy_from_slice(by_drive);
-            }
+        let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
+        for (joint, drive) in self.parts(k, drives) {
             let inputs = [drive, load];
             wide::run(Linearised {
                 joint,
@@ -71,8 +67,10 @@ impl<const N: usize> Linear for Built<N> {
                 transition: &mut *transition,
                 by_drive: &mut *by_drive,
             });
-            if number > 0 {
-                follow(n, (&first, &driven), transition, by_drive);
+            if let Some((first, driven)) = &before {
+                follow(n, (first, driven), transition, by_drive);
+            } else if self.switched {
+                before = Some((transition.to_vec(), by_drive.to_vec()));
             }
         }
     }
