@@ -189,7 +189,7 @@ const TIMING: u32 = 8;
 /// Puts a kind that wide draws alone hide in the place of the first effect of some trials. What it takes is
 /// drawn apart, so that all else of a seed stays as it is.
 fn timing(effects: &mut [EffectParameters], truth: &Model, size: f64, duration_s: f64, mixed: u64) {
-    let mut random = ChaCha8Rng::seed_from_u64(mixed ^ 0x0074_696d_696e_67);
+    let mut random = ChaCha8Rng::seed_from_u64(mixed ^ 0x7469_6d69_6e67);
     let kinds: Vec<Kind> = kinds_of_wide_draws().collect();
     let kind = kinds[random.random_range(0..kinds.len())];
     let Some(first) = effects.first_mut() else { return };
