@@ -13,8 +13,8 @@ use joint_core::effect::{EffectSet, Effects, Kind, MEMORIES, Motion};
 use joint_core::params::{Load, Stage};
 use joint_core::per_unit::{Bases, reflected_inertia};
 
+use crate::layout::{Layout, remembers};
 use crate::model::Model;
-use crate::plant::Layout;
 
 /// Powers at one instant, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -114,7 +114,7 @@ impl Ledger {
                 stage.damping_nm_s_per_rad * square,
             ]
         });
-        let remembering = model.effects.iter().filter(|effect| effect.kind.remembers());
+        let remembering = model.effects.iter().filter(|effect| remembers(effect.kind));
         let coating = remembering.enumerate().find(|(_, effect)| effect.kind == Kind::Coating);
         let coating = coating.and_then(|(slot, effect)| {
             let law = EffectSet::new(std::slice::from_ref(effect), &Load::default(), &bases)?;

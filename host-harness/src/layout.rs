@@ -1,9 +1,17 @@
 //! A joint's state as a plain vector.
 
+use joint_core::effect::Kind;
+
 use crate::model::Model;
 
 /// Most stages a model has.
 pub const MAX_STAGES: usize = 6;
+
+/// Whether a joint that is stepped along a record has a memory for effects of this kind: what the input
+/// was before, the record says.
+pub fn remembers(kind: Kind) -> bool {
+    kind.remembers() && kind != Kind::InputDelay
+}
 
 /// Where each quantity stands in a plant's state vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +25,7 @@ pub struct Layout {
 impl Layout {
     /// Of a model.
     pub fn of(model: &Model) -> Self {
-        let remembering = model.effects.iter().filter(|effect| effect.kind.remembers());
+        let remembering = model.effects.iter().filter(|effect| remembers(effect.kind));
         Self { stages: model.stages.len(), memories: remembering.count() }
     }
 

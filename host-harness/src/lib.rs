@@ -1,5 +1,6 @@
 //! Host side of the joint: logs and model files, the f64 reference, refitting, discovery, reports.
 
+pub mod acting;
 pub mod cli;
 pub mod cross_check;
 pub mod datasheet;

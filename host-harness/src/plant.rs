@@ -5,13 +5,15 @@
 //! distinct interval of its grid.
 
 use joint_core::angle::Angle;
-use joint_core::effect::{EffectSet, MEMORIES};
+use joint_core::effect::input_delay::delay_s;
+use joint_core::effect::{EffectSet, MEMORIES, Memory};
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Mass, Method, Pace, Settings, StageState, State};
 use joint_core::params::ParameterError;
 use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
 
+use crate::acting::{at_samples, stepped, switch};
 use crate::grid::Grid;
 use crate::lanes::{self, Abreast, Constants, Linear};
 use crate::model::Model;
@@ -87,12 +89,18 @@ pub enum BuildError {
 /// `[current A, angle rad, deflections rad…, speeds rad/s…, bristle ζ…, memories…]`.
 pub trait Plant: Send + Sync {
     /// Advances a state over the interval after sample `k`; `drive` in V or A, `load` in Nm.
-    fn propagate(&self, k: usize, state: &mut [f64], drive: f64, load: f64);
-    /// What the current sensor shows, A, when this flows.
-    fn measured_current(&self, current: f64) -> f64;
-    /// What an encoder shows beside the angle of its shaft, rad, from that angle and its speed:
-    /// the motor's, or the output's.
-    fn encoder_error(&self, output: bool, angle: f64, speed: f64) -> f64;
+    fn propagate(&self, k: usize, state: &mut [f64], drive: f64, load: f64) {
+        self.propagate_switched(k, state, [drive; 2], load);
+    }
+
+    /// The same where the drive switches within the interval, if the model has it act late
+    /// ([`crate::acting`]): before and after.
+    fn propagate_switched(&self, k: usize, state: &mut [f64], drives: [f64; 2], load: f64);
+    /// What the current sensor shows, A, when this flows, of what effects remember.
+    fn measured_current(&self, current: f64, memory: &Memory<f64>) -> f64;
+    /// What an encoder shows beside the angle of its shaft, rad, from that angle and its speed, and
+    /// from what effects remember: the motor's, or the output's.
+    fn encoder_error(&self, output: bool, angle: f64, speed: f64, memory: &Memory<f64>) -> f64;
     /// Micro-steps in the interval after sample `k`.
     fn micro_steps(&self, k: usize) -> u32;
     /// The constants of its joints, to be laid beside those of others.
@@ -107,34 +115,57 @@ pub trait Plant: Send + Sync {
 }
 
 struct Built<S: Scalar, const N: usize> {
-    /// One joint per distinct interval.
+    /// One joint per distinct interval; two where its drive switches on the way.
     joints: Vec<Joint<S, N, EffectSet<S>>>,
-    /// Which of them serves the interval after a sample.
+    /// Which distinct interval is after a sample.
     serves: Vec<u32>,
+    /// Whether the drive switches within an interval.
+    switched: bool,
 }
 
 impl<S: Scalar, const N: usize> Built<S, N> {
-    fn new(model: &Model, grid: &Grid, drive: Drive) -> Result<Self, ParameterError> {
+    /// Of a model whose drive acts late if `delay_s` is not zero.
+    fn new(model: &Model, grid: &Grid, drive: Drive, delay_s: f64) -> Result<Self, ParameterError> {
+        joint_core::effect::validate(&model.effects, model.stages.len())?;
+        let effects = stepped(&model.effects);
+        let switched = delay_s != 0.0;
+        let share = switch(delay_s, grid.typical_interval());
+        let parts = if switched { vec![share, 1.0 - share] } else { vec![1.0] };
         let stages: [_; N] = std::array::from_fn(|k| model.stages[k]);
         let joints = grid
             .intervals
             .iter()
-            .map(|interval| {
+            .flat_map(|interval| parts.iter().map(move |part| (interval, part)))
+            .map(|(interval, part)| {
                 let settings = Settings {
                     drive,
-                    step_s: grid.bridged(*interval) / f64::from(grid.per_interval),
+                    step_s: part * grid.bridged(*interval) / f64::from(grid.per_interval),
                     micro_steps: grid.micro_steps(*interval),
                     method: grid.method,
-                    effects: &model.effects,
+                    effects: &effects,
                 };
                 Joint::<S, N, EffectSet<S>>::new(&model.motor, &stages, &model.load, &settings)
             })
             .collect::<Result<_, _>>()?;
-        Ok(Self { joints, serves: grid.serves.clone() })
+        Ok(Self { joints, serves: grid.serves.clone(), switched })
     }
 
+    /// The joints of the parts of the interval after sample `k`, each with its drive of those before
+    /// and after the switch.
+    fn parts(
+        &self,
+        k: usize,
+        drives: [f64; 2],
+    ) -> impl Iterator<Item = (&Joint<S, N, EffectSet<S>>, f64)> {
+        let parts = 1 + usize::from(self.switched);
+        let first = parts * self.serves[k.min(self.serves.len() - 1)] as usize;
+        self.joints[first..first + parts].iter().zip(drives.into_iter().skip(2 - parts))
+    }
+
+    /// The joint of the interval after sample `k`, of its first part if it has two.
     fn joint(&self, k: usize) -> &Joint<S, N, EffectSet<S>> {
-        &self.joints[self.serves[k.min(self.serves.len() - 1)] as usize]
+        let parts = 1 + usize::from(self.switched);
+        &self.joints[parts * self.serves[k.min(self.serves.len() - 1)] as usize]
     }
 }
 
@@ -186,19 +217,20 @@ fn pack<S: Scalar, const N: usize, E: joint_core::effect::Effects<S>>(
 }
 
 impl<const N: usize> Plant for Built<f64, N> {
-    fn propagate(&self, k: usize, flat: &mut [f64], drive: f64, load: f64) {
-        let joint = self.joint(k);
-        let mut state = unpack(joint, flat);
-        joint.step(&mut state, joint.input(drive, load));
-        pack(joint, &state, flat);
+    fn propagate_switched(&self, k: usize, flat: &mut [f64], drives: [f64; 2], load: f64) {
+        for (joint, drive) in self.parts(k, drives) {
+            let mut state = unpack(joint, flat);
+            joint.step(&mut state, joint.input(drive, load));
+            pack(joint, &state, flat);
+        }
     }
 
-    fn measured_current(&self, current: f64) -> f64 {
-        self.joints[0].measured(current)
+    fn measured_current(&self, current: f64, memory: &Memory<f64>) -> f64 {
+        self.joints[0].measured(current, memory)
     }
 
-    fn encoder_error(&self, output: bool, angle: f64, speed: f64) -> f64 {
-        self.joints[0].encoder_error(output, angle, speed)
+    fn encoder_error(&self, output: bool, angle: f64, speed: f64, memory: &Memory<f64>) -> f64 {
+        self.joints[0].encoder_error(output, angle, speed, memory)
     }
 
     fn micro_steps(&self, k: usize) -> u32 {
@@ -210,11 +242,11 @@ impl<const N: usize> Plant for Built<f64, N> {
     }
 
     fn abreast(&self, constants: &[&Constants]) -> Option<Box<dyn Abreast>> {
-        lanes::abreast::<N>(constants, &self.serves)
+        lanes::abreast::<N>(constants, &self.serves, self.switched)
     }
 
     fn linear(&self) -> Box<dyn Linear> {
-        lanes::linear(&self.joints, &self.serves)
+        lanes::linear(&self.joints, &self.serves, self.switched)
     }
 
     fn moves_smoothly(&self, steps: [&Constants; 2]) -> bool {
@@ -266,7 +298,7 @@ pub(crate) use by_stages;
 /// A parameter that the equations cannot take, or too many stages.
 pub fn plant(model: &Model, grid: &Grid, drive: Drive) -> Result<Box<dyn Plant>, BuildError> {
     by_stages!(model.stages.len(), N => {
-        Ok(Box::new(Built::<f64, N>::new(model, grid, drive)?))
+        Ok(Box::new(Built::<f64, N>::new(model, grid, drive, delay_s(&model.effects))?))
     })
 }
 
@@ -324,6 +356,20 @@ pub fn simulate_from(
     inputs: &Inputs,
     scalar: ScalarKind,
 ) -> Result<Vec<Snapshot>, BuildError> {
+    if let Some((acting, samples)) = inputs.acting(model) {
+        let run = simulate_acting(options, model, &acting, scalar)?;
+        return Ok(at_samples(run, &samples));
+    }
+    simulate_acting(options, model, inputs, scalar)
+}
+
+/// The same of inputs that act as they are.
+fn simulate_acting(
+    options: &Options,
+    model: &Model,
+    inputs: &Inputs,
+    scalar: ScalarKind,
+) -> Result<Vec<Snapshot>, BuildError> {
     let mut grid = Grid::new(&inputs.time_s, options.micro_steps);
     grid.method = options.method;
     if let Some(step) = options.step_s {
@@ -344,10 +390,10 @@ fn run<S: Scalar, const N: usize>(
     model: &Model,
 ) -> Result<Vec<Snapshot>, BuildError> {
     let bases = Bases::si(&model.motor, &model.stages);
-    let built = Built::<S, N>::new(model, grid, inputs.drive)?;
+    let built = Built::<S, N>::new(model, grid, inputs.drive, 0.0)?;
     // An open winding is a current of nothing.
     let open = match inputs.drive_values.iter().any(|value| value.is_nan()) {
-        true => Some(Built::<S, N>::new(model, grid, Drive::Current)?),
+        true => Some(Built::<S, N>::new(model, grid, Drive::Current, 0.0)?),
         false => None,
     };
     let mut state = match &options.start {

@@ -47,7 +47,7 @@ fn believable(model: &Model, record: &Record) -> bool {
 }
 
 /// Whether an effect is one that a joint can have: no value where its law ends, no sensor that sees the
-/// future, no torque that falls over half the range of this record's current, no line along the rotor whose
+/// future, no drive that does, no torque that falls over half the range of this record's current, no line along the rotor whose
 /// order was free to leave what the record's travel can show. Behind gears two encoders may stand, of which
 /// only the difference is known.
 pub(super) fn possible(effect: &EffectParameters, model: &Model, record: &Record) -> bool {
@@ -57,7 +57,8 @@ pub(super) fn possible(effect: &EffectParameters, model: &Model, record: &Record
         apart(spec.low) && apart(spec.high)
     });
     let delay = effect.kind == Kind::SensorDelay;
-    let ahead = delay && effect.values[0] < 0.0 && model.stages.is_empty();
+    let acausal = delay && model.stages.is_empty() || effect.kind == Kind::InputDelay;
+    let ahead = acausal && effect.values[0] < 0.0;
     let falling = effect.kind == Kind::TorqueSaturation
         && effect.values[0] < RISING * largest_current(record);
     inside && !ahead && !falling && !endless(effect, record)

@@ -212,7 +212,10 @@ mod tests {
             |unseen: f64| Remainder { rugged: true, ..left(unseen) }.complaints(true).len();
         assert_eq!([rugged(1.2), rugged(1.3), left(1.2).complaints(true).len()], [0, 1, 1]);
         let complaints = left(6.6).complaints(false);
-        assert!(complaints.len() == 1 && complaints[0].contains("6.60 times those of bootstrap replicates"));
+        assert!(
+            complaints.len() == 1
+                && complaints[0].contains("6.60 times those of bootstrap replicates")
+        );
     }
 
     #[test]

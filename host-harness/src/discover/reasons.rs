@@ -64,9 +64,7 @@ fn explained(rounds: &[Round]) -> Vec<String> {
             };
             let next = rivals.first().map_or_else(
                 || "no other one comes near".to_owned(),
-                |rival| {
-                    format!("the next best one, {}, by {:.0}", title(rival.name), rival.gain)
-                },
+                |rival| format!("the next best one, {}, by {:.0}", title(rival.name), rival.gain),
             );
             format!("{name} the fit by {gain:.0} (2 Δ log-likelihood); {next}")
         })
@@ -91,9 +89,15 @@ mod tests {
         let line = || round(Kind::Cogging, 1079.0, Vec::new());
         let told = explained(&[line(), line(), round(Kind::Gravity, 80.2, vec![drag]), line()]);
         let [lines, gravity, line] = &told[..] else { panic!("{told:?}") };
-        assert!(lines.starts_with("cogging (motor), 2 of them added at once, improve the fit by 1079 ("));
+        assert!(
+            lines
+                .starts_with("cogging (motor), 2 of them added at once, improve the fit by 1079 (")
+        );
         assert!(gravity.starts_with("gravity (motor) improves the fit by 80 ("));
         assert!(gravity.ends_with("the next best one, quadratic-drag (motor), by 12"));
-        assert!(line.starts_with("cogging (motor) improves the fit by 1079") && line.ends_with("comes near"));
+        assert!(
+            line.starts_with("cogging (motor) improves the fit by 1079")
+                && line.ends_with("comes near")
+        );
     }
 }

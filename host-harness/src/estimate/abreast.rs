@@ -180,13 +180,15 @@ impl Work for Together<'_, '_> {
                     *value = *value + Lanes::all(*gain) * errors;
                 }
             }
-            let mut drive = Lanes::all(first.record.drive_values[k]);
+            let own_drives: [_; LANES] =
+                std::array::from_fn(|lane| of_lane(lane).late.drives(first.record, k));
+            let mut drives = [0, 1].map(|part| Lanes(own_drives.map(|drives| drives[part])));
             for (walk, push) in gains.walks.iter().zip(&x[own..]) {
                 if walk.equation == Equation::Voltage {
-                    drive = drive + *push;
+                    drives = drives.map(|drive| drive + *push);
                 }
             }
-            joints.propagate(k, &mut x[..own], drive, first.record.load_nm[k]);
+            joints.propagate(k, &mut x[..own], drives, first.record.load_nm[k]);
             let interval = first.record.grid.interval(k);
             for (j, walk) in gains.walks.iter().enumerate() {
                 if let Equation::Torque(mass) = walk.equation {

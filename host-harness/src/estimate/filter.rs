@@ -9,6 +9,8 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use joint_core::effect::{Kind, MEMORIES, Memory};
+use joint_core::params::Location;
 use joint_core::scalar::Scalar;
 
 use crate::estimate::covariance::Covariance;
@@ -18,6 +20,7 @@ use crate::estimate::late::Late;
 use crate::estimate::pass::Pass;
 use crate::estimate::record::{CHANNELS, Channel, Motion, Record, caught};
 use crate::estimate::scales::{Known, Scales};
+use crate::layout::remembers;
 use crate::model::Model;
 use crate::plant::{Layout, Plant, inertias, output_shaft};
 
@@ -27,6 +30,46 @@ const UNKNOWN: f64 = 10.0;
 const REMEMBERED: f64 = 0.5;
 /// Samples from which the speed of a joint in motion is taken, at most.
 const AHEAD: usize = 65;
+
+/// What a sensor's filter remembers.
+#[derive(Clone, Copy, Debug)]
+struct Lag {
+    /// Where that stands in the state.
+    memory: usize,
+    /// What a sensor shows of one of it.
+    shown: f64,
+    /// The filter's time constant, s.
+    constant_s: f64,
+}
+
+impl Lag {
+    /// By channel, of a model.
+    fn of(model: &Model, plant: &dyn Plant, layout: Layout) -> [Option<Self>; CHANNELS] {
+        let mut lags = [None; CHANNELS];
+        let remembering = model.effects.iter().filter(|effect| remembers(effect.kind));
+        for (slot, effect) in remembering.enumerate() {
+            if effect.kind != Kind::SensorLag || slot >= MEMORIES {
+                continue;
+            }
+            let mut one = [0.0; MEMORIES];
+            one[slot] = 1.0;
+            let by = |show: &dyn Fn(&Memory<f64>) -> f64| show(&one) - show(&[0.0; MEMORIES]);
+            let error = |output: bool| {
+                by(&|memory: &Memory<f64>| plant.encoder_error(output, 0.0, 0.0, memory))
+            };
+            let (channel, shown) = match effect.location {
+                Location::CurrentSensor => {
+                    (Channel::Current, by(&|memory| plant.measured_current(0.0, memory)))
+                }
+                Location::OutputEncoder => (Channel::Output, error(true)),
+                _ => (Channel::Motor, error(false)),
+            };
+            let memory = layout.memory(slot);
+            lags[channel as usize] = Some(Self { memory, shown, constant_s: effect.values[0] });
+        }
+        lags
+    }
+}
 
 /// A joint seen through its sensors.
 pub struct Observer<'a> {
@@ -39,6 +82,8 @@ pub struct Observer<'a> {
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
     pub(super) sensor_errors: bool,
+    /// By channel: what its sensor's filter remembers, if it has one.
+    lags: [Option<Lag>; CHANNELS],
     /// Samples after which none of their log is asked for, to the end of that log.
     pub(super) idle: Vec<Range<usize>>,
 }
@@ -52,8 +97,9 @@ impl<'a> Observer<'a> {
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
         let sensor_errors = model.effects.iter().any(|effect| effect.kind.is_of_a_sensor());
+        let lags = Lag::of(model, plant, layout);
         let idle = Vec::new();
-        Self { plant, record, layout, shaft, inertia, known, late, sensor_errors, idle }
+        Self { plant, record, layout, shaft, inertia, known, late, sensor_errors, lags, idle }
     }
 
     /// Designs the gains along the record and runs it.
@@ -161,21 +207,31 @@ impl<'a> Observer<'a> {
                 x[self.layout.bristle(mass)] = 0.9 * speed.signum();
             }
         }
-        let angle = self.late.measured[k][Channel::Motor as usize];
-        if angle.is_finite() {
-            // Where the encoder shows this angle, not where it would stand without its errors.
-            let shown = angle - self.late.by[Channel::Motor as usize] * speed;
-            let mut there = shown;
-            for _ in 0..2 {
-                there = shown - self.plant.encoder_error(false, there, speed);
-            }
-            x[Layout::ANGLE] = there;
-        }
         if self.record.cuts.contains(&k) {
             for slot in 0..self.layout.memories {
                 let memory = self.layout.memory(slot);
                 x[memory] = before(memory).filter(|value| value.is_finite()).unwrap_or(0.0);
             }
+        }
+        for (channel, lag) in Channel::ALL.into_iter().zip(&self.lags) {
+            let Some(Lag { memory, shown, constant_s }) = lag else { continue };
+            x[*memory] = match channel {
+                // The filter's own output is what is measured.
+                Channel::Current => self.late.measured[k][channel as usize] / shown,
+                Channel::Motor => -constant_s * speed / shown,
+                Channel::Output => -constant_s * speed * self.shaft / shown,
+            };
+            x[*memory] = if x[*memory].is_finite() { x[*memory] } else { 0.0 };
+        }
+        let angle = self.late.measured[k][Channel::Motor as usize];
+        if angle.is_finite() {
+            // Where the encoder shows this angle, not where it would stand without its errors.
+            let shown = angle - self.late.by[Channel::Motor as usize] * speed;
+            let (mut there, memory) = (shown, self.memory(|state| x[state]));
+            for _ in 0..2 {
+                there = shown - self.plant.encoder_error(false, there, speed, &memory);
+            }
+            x[Layout::ANGLE] = there;
         }
         x
     }
@@ -207,7 +263,9 @@ impl<'a> Observer<'a> {
         // Nothing but the encoder is known of a joint in motion.
         let cut = self.record.cuts.contains(&k);
         let remembered = self.layout.memory(0)..n;
+        let reported = self.lags[Channel::Current as usize].map(|lag| lag.memory);
         let sigma = |state: usize| match scales.start_sigma.get(state) {
+            Some(_) if reported == Some(state) => REMEMBERED,
             Some(_) if cut && remembered.contains(&state) => REMEMBERED,
             Some(sigma) if cut && state != Layout::ANGLE => UNKNOWN * sigma,
             Some(sigma) => *sigma,
@@ -223,6 +281,12 @@ impl<'a> Observer<'a> {
         Covariance::independent(sigmas.into_iter())
     }
 
+    /// What effects remember in a state.
+    fn memory(&self, x: impl Fn(usize) -> f64) -> Memory<f64> {
+        let memories = self.layout.memories;
+        std::array::from_fn(|slot| if slot < memories { x(self.layout.memory(slot)) } else { 0.0 })
+    }
+
     /// What a sensor shows of a state.
     pub(super) fn shown(&self, channel: Channel, x: &[f64], walks: &[Walk]) -> f64 {
         self.shown_of(channel, |state| x[state], walks)
@@ -236,13 +300,15 @@ impl<'a> Observer<'a> {
         x: impl Fn(usize) -> f64,
         walks: &[Walk],
     ) -> f64 {
+        let memory = if self.sensor_errors { self.memory(&x) } else { [0.0; MEMORIES] };
         let [bias, there, speed] = self.seen(channel, x, walks, self.shaft);
         let caught_up = self.late.by[channel as usize] * speed;
         match channel {
             _ if !self.sensor_errors => bias + there + caught_up,
-            Channel::Current => bias + self.plant.measured_current(there),
+            Channel::Current => bias + self.plant.measured_current(there, &memory),
             Channel::Motor | Channel::Output => {
-                let error = self.plant.encoder_error(channel == Channel::Output, there, speed);
+                let output = channel == Channel::Output;
+                let error = self.plant.encoder_error(output, there, speed, &memory);
                 bias + there + error + caught_up
             }
         }
@@ -285,6 +351,12 @@ impl<'a> Observer<'a> {
                 }
             }
         }
+        if let Some(lag) = self.lags[channel as usize] {
+            if channel == Channel::Current {
+                row[Layout::CURRENT] = 0.0;
+            }
+            row[lag.memory] = lag.shown;
+        }
         let n = self.layout.len();
         for (k, walk) in walks.iter().enumerate() {
             if walk.equation == Equation::Sensor(channel) {
@@ -295,16 +367,19 @@ impl<'a> Observer<'a> {
 
     /// One interval forward, with the walks' push.
     pub(super) fn advance(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
-        let drive = self.driven(k, x, walks);
-        self.plant.propagate(k, &mut x[..self.layout.len()], drive, self.record.load_nm[k]);
+        let drives = self.driven(k, x, walks);
+        let own = &mut x[..self.layout.len()];
+        self.plant.propagate_switched(k, own, drives, self.record.load_nm[k]);
         self.kick(k, x, walks);
     }
 
-    /// What drives the joint over the interval after sample `k`, with the walks on it.
-    pub(super) fn driven(&self, k: usize, x: &[f64], walks: &[Walk]) -> f64 {
+    /// What drives the joint over the interval after sample `k`, before and after it switches, with the
+    /// walks on it.
+    pub(super) fn driven(&self, k: usize, x: &[f64], walks: &[Walk]) -> [f64; 2] {
         let pushes = walks.iter().zip(&x[self.layout.len()..]);
         let pushes = pushes.filter(|(walk, _)| walk.equation == Equation::Voltage);
-        self.record.drive_values[k] + pushes.map(|(_, value)| value).sum::<f64>()
+        let push = pushes.map(|(_, value)| value).sum::<f64>();
+        self.late.drives(self.record, k).map(|drive| drive + push)
     }
 
     /// The walks' torques over the interval after sample `k`.

@@ -3,14 +3,17 @@
 //! A measurement that shows the past belongs to a past state. Shifted by whole samples it is taken
 //! there at once; what is left is less than half a sample, which the encoder's law covers with the
 //! speed. So it covers what a drive value holds before its sample.
+//!
+//! What acts on the joint is not always what its log says at that sample either ([`crate::acting`]).
 
 use std::borrow::Cow;
 
-use joint_core::effect::Kind;
 use joint_core::effect::sensor_delay::delay_s;
+use joint_core::effect::{Kind, input_delay};
 use joint_core::params::Location;
 
 use super::record::{CHANNELS, Channel, Record};
+use crate::acting::{filtered_s, switch, switched, unfiltered};
 use crate::model::Model;
 
 /// A record's measurements by the sample at which they were true.
@@ -23,6 +26,9 @@ pub struct Late<'a> {
     pub by: [f64; CHANNELS],
     /// The same in samples.
     pub samples: [isize; CHANNELS],
+    /// By sample: what acts over the interval after it, before and after the drive switches; empty where
+    /// that is the record's own value.
+    drives: Vec<[f64; 2]>,
 }
 
 impl<'a> Late<'a> {
@@ -32,6 +38,7 @@ impl<'a> Late<'a> {
             measured: Cow::Borrowed(&record.measured),
             by: [0.0, record.lead_s, record.lead_s],
             samples: [0; CHANNELS],
+            drives: drives(model, record),
         };
         if !model.effects.iter().any(|effect| effect.kind == Kind::SensorDelay) {
             return late;
@@ -50,6 +57,37 @@ impl<'a> Late<'a> {
         }
         late
     }
+}
+
+impl Late<'_> {
+    /// What acts over the interval after sample `k` of a record, before and after the drive switches.
+    #[inline(always)]
+    pub(super) fn drives(&self, record: &Record, k: usize) -> [f64; 2] {
+        self.drives.get(k).copied().unwrap_or_else(|| [record.drive_values[k]; 2])
+    }
+}
+
+/// What acts where that is not the record's own values; a joint's past ends where its log begins.
+fn drives(model: &Model, record: &Record) -> Vec<[f64; 2]> {
+    let (constant, delay) = (filtered_s(model, record.drive), input_delay::delay_s(&model.effects));
+    if constant == 0.0 && delay == 0.0 {
+        return Vec::new();
+    }
+    let share = switch(delay, record.grid.typical_interval());
+    let ends = record.starts.iter().skip(1).copied().chain([record.len()]);
+    let logs = record.starts.iter().zip(ends).map(|(start, end)| *start..end);
+    logs.flat_map(|log| {
+        let (time_s, shown) = (&record.time_s[log.clone()], &record.drive_values[log]);
+        let values = match constant > 0.0 {
+            true => Cow::Owned(unfiltered(shown, time_s, constant)),
+            false => Cow::Borrowed(shown),
+        };
+        match delay == 0.0 {
+            true => values.iter().map(|value| [*value; 2]).collect(),
+            false => switched(&values, time_s, delay, share),
+        }
+    })
+    .collect()
 }
 
 /// Moves a channel towards the start of each of its logs.

@@ -129,7 +129,7 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         scratch.steps.clear();
         scratch.steps.extend(steps.iter().zip(&x[..n]).map(|(step, x)| away(step, x)));
         scratch.steps.extend(steps.last());
-        let inputs = [observer.driven(k, x, walks), observer.record.load_nm[k]];
+        let inputs = (observer.driven(k, x, walks), observer.record.load_nm[k]);
         let Linearisation { transition, drive } = self.along.to_mut();
         linear.propagate(k, &mut x[..n], inputs, &scratch.steps, (transition, drive));
         observer.kick(k, x, walks);

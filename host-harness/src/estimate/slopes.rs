@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use joint_core::effect::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinate;
@@ -103,7 +104,8 @@ impl Problem<'_> {
 
     /// Whether a coordinate moves the joint's constants and nothing else, and those smoothly.
     fn is_smooth(&self, model: &Model, coordinate: &Coordinate) -> bool {
-        if coordinate.effect().is_some_and(|e| model.effects[e].kind.is_of_a_sensor()) {
+        let outside = |kind: Kind| kind.is_of_a_sensor() || kind == Kind::InputDelay;
+        if coordinate.effect().is_some_and(|e| outside(model.effects[e].kind)) {
             return false;
         }
         let plant = |model: &Model| plant(model, &self.record.grid, self.record.drive).ok();
@@ -122,7 +124,7 @@ impl Problem<'_> {
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::effect::EffectParameters;
     use joint_core::params::Location;
 
     use super::*;
@@ -210,7 +212,8 @@ mod tests {
             let (mut transition, mut by_drive) = (Vec::new(), Vec::new());
             let steps = vec![1e-7; n + 1];
             let derivatives = (&mut transition, &mut by_drive);
-            plant.linear().propagate(k, &mut state, inputs, &steps, derivatives);
+            let held = ([inputs[0]; 2], inputs[1]);
+            plant.linear().propagate(k, &mut state, held, &steps, derivatives);
             let mut plain = run.states[k][..n].to_vec();
             plant.propagate(k, &mut plain, inputs[0], inputs[1]);
             assert_eq!(state, plain);

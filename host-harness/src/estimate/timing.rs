@@ -12,7 +12,7 @@ use super::refit::cost;
 use crate::plant::BuildError;
 
 /// What a measured current must take from minus twice the log-likelihood to be believed.
-const LEAST: f64 = 60.0;
+pub const LEAST: f64 = 60.0;
 
 /// Fits a record, whose current, where it is the input, is taken as measured if that makes the record
 /// likelier by far; else as commanded.

@@ -57,8 +57,9 @@ pub fn twin(
                 };
             }
         }
-        let drive = record.drive_values[k] + noise.drive * normal();
-        plant.propagate(k, &mut state, drive, record.load_nm[k]);
+        let more = noise.drive * normal();
+        let drives = observer.late.drives(record, k).map(|drive| drive + more);
+        plant.propagate_switched(k, &mut state, drives, record.load_nm[k]);
         observer.push(&mut state, 0, noise.torque * normal(), record.grid.interval(k));
     }
     Ok(twin)

@@ -14,22 +14,27 @@ use crate::wide;
 
 /// A plant's derivatives with its own state.
 pub trait Linear: Send + Sync {
-    /// Advances a state over the interval after sample `k`, as [`crate::plant::Plant::propagate`],
-    /// and adds to `transition` by rows the derivative of each state with each, to `by_drive` that
-    /// with the drive. `steps` are those of the states, then that of the drive.
+    /// Advances a state over the interval after sample `k`, as
+    /// [`crate::plant::Plant::propagate_switched`], and adds to `transition` by rows the derivative of
+    /// each state with each, to `by_drive` that with a change of the drive that lasts over the interval.
+    /// `steps` are those of the states, then that of the drive.
     fn propagate(
         &self,
         k: usize,
         state: &mut [f64],
-        inputs: [f64; 2],
+        inputs: ([f64; 2], f64),
         steps: &[f64],
         derivatives: (&mut Vec<f64>, &mut Vec<f64>),
     );
 }
 
 /// The derivatives of joints.
-pub(crate) fn linear<const N: usize>(joints: &Joints<N>, serves: &[u32]) -> Box<dyn Linear> {
-    let own = Built::new(&[joints], serves);
+pub(crate) fn linear<const N: usize>(
+    joints: &Joints<N>,
+    serves: &[u32],
+    switched: bool,
+) -> Box<dyn Linear> {
+    let own = Built::new(&[joints], serves, switched);
     Box::new(own.expect("a joint's constants are those of a joint"))
 }
 
@@ -41,22 +46,50 @@ impl<const N: usize> Linear for Built<N> {
         &self,
         k: usize,
         state: &mut [f64],
-        inputs: [f64; 2],
+        (drives, load): ([f64; 2], f64),
         steps: &[f64],
         (transition, by_drive): (&mut Vec<f64>, &mut Vec<f64>),
     ) {
         let n = state.len();
-        let [transitions, drives] = [transition.len(), by_drive.len()];
+        let [transitions, slopes] = [transition.len(), by_drive.len()];
         transition.resize(transitions + n * n, 0.0);
-        by_drive.resize(drives + n, 0.0);
-        wide::run(Linearised {
-            joint: self.joint(k),
-            state,
-            inputs,
-            steps,
-            transition: &mut transition[transitions..],
-            by_drive: &mut by_drive[drives..],
-        });
+        by_drive.resize(slopes + n, 0.0);
+        let transition = &mut transition[transitions..];
+        let by_drive = &mut by_drive[slopes..];
+        let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
+        for (joint, drive) in self.parts(k, drives) {
+            let inputs = [drive, load];
+            wide::run(Linearised {
+                joint,
+                state: &mut *state,
+                inputs,
+                steps,
+                transition: &mut *transition,
+                by_drive: &mut *by_drive,
+            });
+            if let Some((first, driven)) = &before {
+                follow(n, (first, driven), transition, by_drive);
+            } else if self.switched {
+                before = Some((transition.to_vec(), by_drive.to_vec()));
+            }
+        }
+    }
+}
+
+/// Makes the derivatives over a part of an interval those over what was before it too.
+fn follow(
+    n: usize,
+    (first, driven): (&[f64], &[f64]),
+    transition: &mut [f64],
+    by_drive: &mut [f64],
+) {
+    for (row, slope) in transition.chunks_exact_mut(n).zip(by_drive) {
+        let mut own = [0.0; MOST];
+        own[..n].copy_from_slice(row);
+        *slope += own.iter().zip(&driven[..n]).map(|(a, b)| a * b).sum::<f64>();
+        for (column, value) in row.iter_mut().enumerate() {
+            *value = (0..n).map(|j| own[j] * first[j * n + column]).sum();
+        }
     }
 }
 

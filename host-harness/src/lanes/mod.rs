@@ -36,9 +36,9 @@ type Joints<const N: usize> = Vec<Plain<N>>;
 
 /// Plants side by side.
 pub trait Abreast: Send + Sync {
-    /// Advances their states over the interval after sample `k`, as [`crate::plant::Plant::propagate`]
-    /// does each.
-    fn propagate(&self, k: usize, states: &mut [Lanes], drive: Lanes, load: f64);
+    /// Advances their states over the interval after sample `k`, as
+    /// [`crate::plant::Plant::propagate_switched`] does each.
+    fn propagate(&self, k: usize, states: &mut [Lanes], drives: [Lanes; 2], load: f64);
 }
 
 /// The constants of joints, to be laid beside those of others.
@@ -51,10 +51,11 @@ pub(crate) fn constants<const N: usize>(joints: &Joints<N>) -> Constants {
 pub(crate) fn abreast<const N: usize>(
     constants: &[&Constants],
     serves: &[u32],
+    switched: bool,
 ) -> Option<Box<dyn Abreast>> {
     let joints: Vec<&Joints<N>> =
         constants.iter().map(|own| own.0.downcast_ref()).collect::<Option<_>>()?;
-    Some(Box::new(Built::new(&joints, serves)?))
+    Some(Box::new(Built::new(&joints, serves, switched)?))
 }
 
 /// Whether joints move smoothly to others, a step away and two.
@@ -71,11 +72,13 @@ pub(crate) fn is_smooth<const N: usize>(joints: &Joints<N>, [one, two]: [&Consta
 struct Built<const N: usize> {
     joints: Vec<Woven<N>>,
     serves: Vec<u32>,
+    /// Whether an interval has two parts, each with a joint of its own.
+    switched: bool,
 }
 
 impl<const N: usize> Built<N> {
     /// Of the joints of each plant; lanes that nobody asked for do as the last plant does.
-    fn new(plants: &[&Joints<N>], serves: &[u32]) -> Option<Self> {
+    fn new(plants: &[&Joints<N>], serves: &[u32], switched: bool) -> Option<Self> {
         let last = plants.last()?;
         let joints = (0..last.len())
             .map(|j| {
@@ -85,11 +88,16 @@ impl<const N: usize> Built<N> {
                 Some(Woven::new(Alike::of(lanes)?.side_by_side()))
             })
             .collect::<Option<_>>()?;
-        Some(Self { joints, serves: serves.to_vec() })
+        Some(Self { joints, serves: serves.to_vec(), switched })
     }
 
-    fn joint(&self, k: usize) -> &Woven<N> {
-        &self.joints[self.serves[k.min(self.serves.len() - 1)] as usize]
+    /// The joints of the parts of the interval after sample `k`, each with its drive of those before and
+    /// after the switch.
+    #[inline(always)]
+    fn parts<D>(&self, k: usize, drives: [D; 2]) -> impl Iterator<Item = (&Woven<N>, D)> {
+        let parts = 1 + usize::from(self.switched);
+        let first = parts * self.serves[k.min(self.serves.len() - 1)] as usize;
+        self.joints[first..first + parts].iter().zip(drives.into_iter().skip(2 - parts))
     }
 }
 
@@ -181,8 +189,10 @@ fn empty<const N: usize>() -> State<Lanes, N> {
 }
 
 impl<const N: usize> Abreast for Built<N> {
-    fn propagate(&self, k: usize, states: &mut [Lanes], drive: Lanes, load: f64) {
-        wide::run(Advance { joint: self.joint(k), states, drive, load });
+    fn propagate(&self, k: usize, states: &mut [Lanes], drives: [Lanes; 2], load: f64) {
+        for (joint, drive) in self.parts(k, drives) {
+            wide::run(Advance { joint, states: &mut *states, drive, load });
+        }
     }
 }
 

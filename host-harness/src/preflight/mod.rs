@@ -26,11 +26,11 @@ mod unit;
 mod winding;
 mod windows;
 
+pub(crate) use angle_jumps::wraps;
 pub use excitation::{Excitation, excitation};
 pub use finding::{Finding, Severity};
 pub use length::LEAST_SAMPLES;
 pub(crate) use regression::median;
-pub(crate) use angle_jumps::wraps;
 pub(crate) use windows::scatter;
 
 use crate::log::Log;

@@ -23,6 +23,7 @@ use joint_core::per_unit::{Bases, reflected_inertia};
 use super::ReferenceError;
 use super::friction::{Contact, Family, elastoplastic, limited_viscous, maxwell_slip, tanh};
 use super::rates::standing_rate;
+use crate::acting::stepped;
 use crate::model::Model;
 use crate::plant::Layout;
 
@@ -96,8 +97,8 @@ impl Equations {
         if drive == Drive::Voltage && resistance <= 0.0 {
             return Err(ReferenceError::NoResistance);
         }
-        let effects =
-            EffectSet::new(&model.effects, load, &bases).ok_or(ReferenceError::Effects)?;
+        let effects = EffectSet::new(&stepped(&model.effects), load, &bases)
+            .ok_or(ReferenceError::Effects)?;
         let inductance = 2.0 * motor.phase_inductance_h;
         let lags = drive == Drive::Voltage && inductance > 0.0;
         let mass = |number: usize, friction: &Friction| {
@@ -204,7 +205,7 @@ impl Equations {
         head_rate[1] = speeds[0];
         if let Some(effects) = &self.effects {
             let mut all = [None; MEMORIES];
-            effects.relax(&Flow { current, speeds }, &mut all);
+            effects.relax(&Flow { current, drive: self.held_drive(held), speeds }, &mut all);
             for ((rate, value), relaxation) in memory_rate.iter_mut().zip(memory).zip(all) {
                 if let Some(Relaxation { reach, target }) = relaxation {
                     *rate = reach * (target - value);
@@ -259,6 +260,14 @@ impl Equations {
                 angle -= deflections.get(k).copied().unwrap_or(0.0);
             }
             speed_rate[k] = force * mass.per_inertia;
+        }
+    }
+
+    /// The input in units of current: a voltage as a share of 2R.
+    fn held_drive(&self, held: &Held) -> f64 {
+        match self.drive {
+            Drive::Voltage => held.drive / self.resistance,
+            Drive::Current => held.drive,
         }
     }
 

@@ -25,6 +25,7 @@ use joint_core::params::ParameterError;
 
 use friction::Family;
 
+use crate::acting::at_samples;
 use crate::model::Model;
 use crate::plant::{Inputs, Snapshot};
 
@@ -161,10 +162,24 @@ pub fn simulate(
     options: &Options,
 ) -> Result<Vec<Snapshot>, ReferenceError> {
     check(inputs, options)?;
+    if let Some((acting, samples)) = inputs.acting(model) {
+        let run = simulate_acting(model, &acting, options, |k| samples[k])?;
+        return Ok(at_samples(run, &samples));
+    }
+    simulate_acting(model, inputs, options, |k| k)
+}
+
+/// The same of inputs that act as they are; `sample` is which sample's disturbance does.
+fn simulate_acting(
+    model: &Model,
+    inputs: &Inputs,
+    options: &Options,
+    sample: impl Fn(usize) -> usize,
+) -> Result<Vec<Snapshot>, ReferenceError> {
     let equations = Equations::new(model, inputs.drive, options.stribeck_exponent)?
         .with_friction(options.friction);
     let load = |k: usize| inputs.load_nm.get(k).copied().unwrap_or(0.0);
-    let held = |k: usize| options.disturbance.at(k, inputs.drive_values[k], load(k));
+    let held = |k: usize| options.disturbance.at(sample(k), inputs.drive_values[k], load(k));
     let mut state = equations.rest();
     if let Some(start) = &options.start {
         let known = state.len().min(start.len());

@@ -25,7 +25,7 @@ impl Equations {
         let current = state.first().copied().unwrap_or(0.0);
         let mut all = [None; MEMORIES];
         if let Some(effects) = &self.effects {
-            effects.relax(&Flow { current, speeds }, &mut all);
+            effects.relax(&Flow { current, drive: 0.0, speeds }, &mut all);
         }
         all.iter().flatten().fold(0.0, |fastest: f64, own| fastest.max(2.0 * own.reach))
     }

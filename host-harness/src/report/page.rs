@@ -100,7 +100,8 @@ fn whereabouts(page: &mut String, findings: &Findings) {
     page.push_str(&against(title, shape));
     for (kind, shape) in &findings.along_effects {
         let (axis, kind) = (&shape.coordinate, kind.spec().kind);
-        let title = format!("Disturbance of the {equation} against {axis}, with which {kind} varies");
+        let title =
+            format!("Disturbance of the {equation} against {axis}, with which {kind} varies");
         page.push_str(&against(title, shape));
     }
     let title = format!("Disturbance of the {equation} along the log");

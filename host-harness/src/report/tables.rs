@@ -79,9 +79,10 @@ pub(super) fn possible(page: &mut String, possible: &[Named]) {
         return;
     }
     let told = possible.iter().map(|effect| {
-        let parameters = effect.parameters.iter().map(|(key, value)| {
-            format!("{} {}", escape(key), number(*value))
-        });
+        let parameters = effect
+            .parameters
+            .iter()
+            .map(|(key, value)| format!("{} {}", escape(key), number(*value)));
         let parameters: Vec<String> = parameters.collect();
         format!(
             "<b>{}</b> at {} ({}; share of the gap {})",

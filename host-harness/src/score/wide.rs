@@ -6,6 +6,7 @@
 //! number.
 
 use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -18,8 +19,8 @@ use crate::reference::ReferenceError;
 use crate::reference::friction::Family;
 use crate::scenario;
 use crate::synthetic::{
-    Colour, Disturbances, Motion, Reported, Sensing, Setting, Stamps, hidden, kinds, perturbed,
-    perturbed_within, record_wide,
+    Colour, Disturbances, Motion, Reported, Sensing, Setting, Stamps, hidden, kinds,
+    kinds_of_wide_draws, perturbed, perturbed_within, record_wide,
 };
 
 /// What one trial of a round hides.
@@ -69,7 +70,8 @@ const SAMPLES: [f64; 2] = [5_000.0, 40_000.0];
 const DURATION_S: [f64; 2] = [1.0, 20.0];
 const PAPER_DURATION_S: [f64; 2] = [1.0, 2.0];
 
-/// The right answer of trial `number`, whatever its seed.
+/// The right answer of trial `number`, whatever its seed; an effect instead of nothing where the report of its
+/// current is filtered, which has a name.
 pub fn answer(number: u64) -> Answer {
     match content(number) {
         Nothing => Answer::Adequate,
@@ -122,7 +124,8 @@ pub fn trial(seed: u64, number: u64, rigs: Rigs) -> Result<Trial, ReferenceError
         Withdrawn => 1,
     };
     let size = SIZES[random.random_range(0..SIZES.len())];
-    let effects = hide(&truth, wanted, size, setting.duration_s, &mut random);
+    let mut effects = hide(&truth, wanted, size, setting.duration_s, &mut random);
+    timing(&mut effects, &truth, size, setting.duration_s, mixed);
     let withdrawn = effects.first().filter(|_| content == Withdrawn).map(|effect| effect.kind);
     truth.effects.extend(&effects);
 
@@ -147,10 +150,17 @@ pub fn trial(seed: u64, number: u64, rigs: Rigs) -> Result<Trial, ReferenceError
         told.signal_to_noise = Some(*ratio);
         told
     });
+    let mut effects: Vec<_> = effects.collect();
+    let reported = filtered(&setting).map(|lag| told(&lag));
+    let right = match (answer(number), &reported) {
+        (Answer::Adequate, Some(_)) => Answer::Effect,
+        (right, _) => right,
+    };
+    effects.extend(reported);
     let case = Case {
         case: format!("{number:04}"),
-        verdict: answer(number).name().to_owned(),
-        effects: effects.collect(),
+        verdict: right.name().to_owned(),
+        effects,
         size: (wanted > 0).then_some(size),
         withdrawn: withdrawn.map(|kind| kind.spec().kind.to_owned()),
         misfits: Some(Misfits::of(&truth, &setting, worst, levels)),
@@ -160,6 +170,34 @@ pub fn trial(seed: u64, number: u64, rigs: Rigs) -> Result<Trial, ReferenceError
 
 fn log_uniform([from, to]: [f64; 2], random: &mut impl Rng) -> f64 {
     from * (to / from).powf(random.random())
+}
+
+/// The filter of the current's report, where it is longer than a sample.
+fn filtered(setting: &Setting) -> Option<EffectParameters> {
+    match setting.sensing.current {
+        Reported::Filtered(constant_s) if constant_s > setting.sample_time_s => {
+            let lag = EffectParameters::new(Kind::SensorLag, Location::CurrentSensor);
+            Some(lag.with("time_constant_s", constant_s))
+        }
+        _ => None,
+    }
+}
+
+/// One trial in so many that hide effects has a wide draw's own kind in place of its first one.
+const TIMING: u32 = 8;
+
+/// Puts a kind that wide draws alone hide in the place of the first effect of some trials. What it takes is
+/// drawn apart, so that all else of a seed stays as it is.
+fn timing(effects: &mut [EffectParameters], truth: &Model, size: f64, duration_s: f64, mixed: u64) {
+    let mut random = ChaCha8Rng::seed_from_u64(mixed ^ 0x7469_6d69_6e67);
+    let kinds: Vec<Kind> = kinds_of_wide_draws().collect();
+    let kind = kinds[random.random_range(0..kinds.len())];
+    let Some(first) = effects.first_mut() else { return };
+    if random.random_range(0..TIMING) == 0
+        && let Some(effect) = hidden(kind, truth, size, duration_s, &mut random)
+    {
+        *first = effect;
+    }
 }
 
 /// So many effects of different kinds; fewer where the joint has no place for more.
@@ -270,14 +308,16 @@ mod tests {
         for number in [0, 1, 3, 4, 9] {
             let trial = trial(5, number, Rigs::All).unwrap();
             let Trial { case, logs, withdrawn, .. } = &trial;
-            assert_eq!(case.verdict, answer(number).name(), "{number}");
+            let filtered = case.effects.iter().any(|effect| effect.kind == "sensor-lag");
+            assert!(filtered || case.verdict == answer(number).name(), "{number}");
             assert_eq!(withdrawn.is_some(), content(number) == Withdrawn, "{number}");
             let misfits = case.misfits.as_ref().unwrap();
             assert_eq!(misfits.friction_levels.len(), logs.len());
             assert!((1.0..=20.01).contains(&misfits.duration_s), "{}", misfits.duration_s);
             assert!((4_999..=40_001).contains(&logs[0].len()), "{}", logs[0].len());
             for effect in &case.effects {
-                assert!(effect.signal_to_noise.is_some_and(|ratio| ratio > 0.0), "{number}");
+                let filter = effect.kind == "sensor-lag";
+                assert!(filter || effect.signal_to_noise.is_some_and(|r| r > 0.0), "{number}");
             }
         }
         let of = |wanted: Content| ROUND.iter().filter(|content| **content == wanted).count();

@@ -18,6 +18,12 @@ pub fn kinds() -> impl Iterator<Item = Kind> {
     Kind::ALL.iter().copied().filter(hidden)
 }
 
+/// The kinds that wide draws hide besides.
+pub fn kinds_of_wide_draws() -> impl Iterator<Item = Kind> {
+    let wide = |kind: &Kind| matches!(card(*kind).benchmark, Benchmark::Wide(_));
+    Kind::ALL.iter().copied().filter(wide)
+}
+
 /// An effect of this kind, `size` times what is typical, for a log of `duration_s`; `None` where the
 /// joint has no place for it, or the kind is not hidden.
 pub fn hidden(
@@ -51,7 +57,7 @@ pub fn hidden(
         random,
     };
     match card(kind).benchmark {
-        Benchmark::Hidden(of) => of(&mut joint),
+        Benchmark::Hidden(of) | Benchmark::Wide(of) => of(&mut joint),
         Benchmark::Left(_) => None,
     }
 }

@@ -21,7 +21,7 @@ mod wide;
 mod wide_tests;
 
 pub use excitation::{amplitude_v, excitation};
-pub use hidden::{hidden, kinds};
+pub use hidden::{hidden, kinds, kinds_of_wide_draws};
 pub use motion::Motion;
 pub use noise::Colour;
 pub use perturbed::{perturbed, perturbed_within};

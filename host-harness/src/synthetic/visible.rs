@@ -12,9 +12,13 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use joint_core::effect::input_delay::delay_s;
+
 use super::setting::Setting;
 use super::wide::{METHOD, equations};
+use crate::acting::pieces;
 use crate::encoders;
+use crate::layout::remembers;
 use crate::model::Model;
 use crate::plant::Snapshot;
 use crate::reference::{Disturbance, Equations, ReferenceError, Stepper};
@@ -94,8 +98,8 @@ fn difference(
 ) -> Result<[f64; 3], ReferenceError> {
     let mut other = model.clone();
     let memory = removed.and_then(|place| {
-        let remembering = model.effects[..place].iter().filter(|e| e.kind.remembers()).count();
-        other.effects.remove(place).kind.remembers().then_some(remembering)
+        let remembering = model.effects[..place].iter().filter(|e| remembers(e.kind)).count();
+        remembers(other.effects.remove(place).kind).then_some(remembering)
     });
     let equations = equations(&other, setting)?;
     let mut stepper = Stepper::new(&equations, METHOD);
@@ -108,7 +112,9 @@ fn difference(
         if let Some(slot) = memory {
             state.remove(equations.layout().memory(slot));
         }
-        let again = again(&equations, &mut stepper, state, run, window, disturbance);
+        let delay = delay_s(&other.effects).max(0.0);
+        let stepped = (&equations, &mut stepper, delay);
+        let again = again(stepped, state, run, window, disturbance);
         let time_s = &run.time_s[window.clone()];
         let here = encoders::shown(&other, time_s, &again);
         let true_run = &run.snapshots[window.clone()];
@@ -129,8 +135,7 @@ fn difference(
 }
 
 fn again(
-    equations: &Equations,
-    stepper: &mut Stepper<'_>,
+    (equations, stepper, delay): (&Equations, &mut Stepper<'_>, f64),
     mut state: Vec<f64>,
     run: &Run,
     window: &Range<usize>,
@@ -138,8 +143,10 @@ fn again(
 ) -> Vec<Snapshot> {
     let mut snapshots = vec![equations.snapshot(&state)];
     for k in window.start..window.end - 1 {
-        let held = disturbance.at(k, run.voltage_v[k], 0.0);
-        stepper.advance(&mut state, &held, run.time_s[k + 1] - run.time_s[k]);
+        pieces(&run.time_s, k, delay, |source, from, until| {
+            let held = disturbance.at(k, run.voltage_v[source], 0.0);
+            stepper.advance(&mut state, &held, until - from);
+        });
         snapshots.push(equations.snapshot(&state));
     }
     snapshots

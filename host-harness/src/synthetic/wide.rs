@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use joint_core::effect::Kind;
+use joint_core::effect::input_delay::delay_s;
 use joint_core::joint::Drive;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,6 +17,7 @@ use super::sensing::{bus_reading, instants};
 use super::setting::Setting;
 use super::visible::{self, Run};
 use super::{amplitude_v, breakaway_nm, normal, rounded};
+use crate::acting::pieces;
 use crate::encoders;
 use crate::log::Log;
 use crate::model::Model;
@@ -153,6 +155,8 @@ fn run(
     disturbance: Disturbance,
 ) -> Result<Run, ReferenceError> {
     let equations = equations(model, setting)?;
+    // What acts late was chosen before.
+    let delay = delay_s(&model.effects).max(0.0);
     let mut stepper = Stepper::new(&equations, METHOD);
     let mut state = equations.rest();
     let counts = model.sensor.motor_encoder_counts_per_rev;
@@ -184,8 +188,10 @@ fn run(
             run.starts.push((k, state.clone()));
         }
         if let Some(next) = run.time_s.get(k + 1) {
-            let held = run.disturbance.at(k, voltage, 0.0);
-            stepper.advance(&mut state, &held, next - run.time_s[k]);
+            pieces(&run.time_s, k, delay, |source, from, until| {
+                let held = run.disturbance.at(k, run.voltage_v[source], 0.0);
+                stepper.advance(&mut state, &held, until - from);
+            });
             if state.iter().any(|value| !value.is_finite()) {
                 return Err(ReferenceError::Diverged(*next));
             }

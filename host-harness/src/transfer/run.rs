@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use joint_core::effect::Memory;
 use joint_core::joint::Drive;
 
 use crate::encoders;
@@ -94,9 +95,14 @@ impl<'a> Runner<'a> {
         each.map(|((motor_rad, output_rad), state)| Shown {
             motor_rad,
             output_rad,
-            current_a: self.driven.measured_current(state[Layout::CURRENT]),
+            current_a: self.driven.measured_current(state[Layout::CURRENT], &self.memory(state)),
         })
         .collect()
+    }
+
+    /// What the effects remember in a state.
+    fn memory(&self, state: &[f64]) -> Memory<f64> {
+        std::array::from_fn(|slot| state.get(self.layout.memory(slot)).copied().unwrap_or(0.0))
     }
 
     /// Of a state what encoders see of it.

@@ -3,7 +3,7 @@
 //! Order one is a disc off its centre, order two a tilted one. The joint moves as ever; only what is
 //! seen of it changes. Source: the error budget of any encoder's data sheet.
 
-use super::hooks::Effects;
+use super::hooks::{Effects, Memory};
 use super::{ParameterSpec, Place, Spec};
 use crate::angle::{Angle, Ratio};
 use crate::batch::batch;
@@ -58,7 +58,7 @@ impl<S: Scalar> EncoderEccentricity<S> {
 
 impl<S: Scalar> Effects<S> for EncoderEccentricity<S> {
     #[inline(always)]
-    fn encoder_error(&self, output: bool, angle: Angle<S>, _speed: S) -> S {
+    fn encoder_error(&self, output: bool, angle: Angle<S>, _: S, _: &Memory<S>) -> S {
         if output != self.output {
             return S::ZERO;
         }
@@ -76,11 +76,11 @@ mod tests {
         let law = EncoderEccentricity::<f64>::new(false, &[0.02, 0.3, 1.0]);
         for k in -10..10 {
             let q = 0.41 * f64::from(k);
-            let turns =
-                law.encoder_error(false, Angle::from_turns(q / core::f64::consts::TAU), 0.0);
+            let angle = Angle::from_turns(q / core::f64::consts::TAU);
+            let turns = law.encoder_error(false, angle, 0.0, &[0.0; 4]);
             let error = turns * core::f64::consts::TAU;
             assert!((error - 0.02 * (q + 0.3).sin()).abs() < 1e-9);
         }
-        assert_eq!(law.encoder_error(true, Angle::from_turns(0.2), 0.0), 0.0);
+        assert_eq!(law.encoder_error(true, Angle::from_turns(0.2), 0.0, &[0.0; 4]), 0.0);
     }
 }

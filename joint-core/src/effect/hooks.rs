@@ -122,6 +122,8 @@ impl<S: Scalar> Constants<S> {
 pub struct Flow<'a, S> {
     /// Current in the winding.
     pub current: S,
+    /// The input that the drive holds, in units of current: its voltage as a share of 2R.
+    pub drive: S,
     /// Speed of every mass, the rotor first.
     pub speeds: &'a [S],
 }
@@ -233,16 +235,28 @@ pub trait Effects<S: Scalar> {
         measured
     }
 
-    /// What the sensor shows of a current.
+    /// What the sensor's filter leaves of a current.
+    #[inline(always)]
+    fn lagged_current(&self, current: S, _memory: &Memory<S>) -> S {
+        current
+    }
+
+    /// What the sensor shows of a current that its filter has left.
     #[inline(always)]
     fn measured_current(&self, current: S) -> S {
         current
     }
 
+    /// What the sensor shows of a current, its filter included.
+    #[inline(always)]
+    fn shown_current(&self, current: S, memory: &Memory<S>) -> S {
+        self.measured_current(self.lagged_current(current, memory))
+    }
+
     /// What an encoder shows beside the true angle, in its own turns: the motor's, or the output's
     /// where `output` says so. The speed is the shaft's, reflected to the motor.
     #[inline(always)]
-    fn encoder_error(&self, _output: bool, _angle: Angle<S>, _speed: S) -> S {
+    fn encoder_error(&self, _output: bool, _angle: Angle<S>, _speed: S, _: &Memory<S>) -> S {
         S::ZERO
     }
 

@@ -10,6 +10,8 @@ use crate::per_unit::Bases;
 pub(super) struct Place<'a> {
     /// Its values, in the order of its spec.
     pub values: &'a [f64],
+    /// Where that is.
+    pub location: Location,
     /// Its mass, 0 at the rotor.
     pub mass: u8,
     /// Where its memory is, if it has one.
@@ -44,6 +46,7 @@ impl<'a> Place<'a> {
         let shaft = bases.shaft(mass);
         Some(Self {
             values: &effect.values,
+            location: effect.location,
             mass: u8::try_from(mass).ok()?,
             slot,
             behind: matches!(effect.location, Location::OutputEncoder),

@@ -5,7 +5,7 @@
 //! from it, or shifts it by whole samples and leaves the rest to the lag. Source: any drive with two
 //! encoders on different buses.
 
-use super::hooks::Effects;
+use super::hooks::{Effects, Memory};
 use super::{EffectParameters, Kind, ParameterSpec, Place, Spec};
 use crate::angle::Angle;
 use crate::batch::batch;
@@ -59,7 +59,7 @@ impl<S: Scalar> SensorDelay<S> {
 
 impl<S: Scalar> Effects<S> for SensorDelay<S> {
     #[inline(always)]
-    fn encoder_error(&self, output: bool, _angle: Angle<S>, speed: S) -> S {
+    fn encoder_error(&self, output: bool, _: Angle<S>, speed: S, _: &Memory<S>) -> S {
         if output == self.output { speed.times(self.turns) } else { S::ZERO }
     }
 }
@@ -71,9 +71,10 @@ mod tests {
     #[test]
     fn a_late_encoder_lags_by_delay_times_speed() {
         let law = SensorDelay::<f64>::new(true, &[1e-3], 2.0);
-        let error = law.encoder_error(true, Angle::default(), 5.0) * core::f64::consts::TAU;
+        let error =
+            law.encoder_error(true, Angle::default(), 5.0, &[0.0; 4]) * core::f64::consts::TAU;
         assert!((error + 1e-2).abs() < 1e-12);
-        assert_eq!(law.encoder_error(false, Angle::default(), 5.0), 0.0);
+        assert_eq!(law.encoder_error(false, Angle::default(), 5.0, &[0.0; 4]), 0.0);
     }
 
     #[test]

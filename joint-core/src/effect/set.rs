@@ -216,15 +216,21 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
     }
 
     #[inline]
+    fn lagged_current(&self, current: S, memory: &Memory<S>) -> S {
+        let effects = self.effects.iter();
+        effects.fold(current, |now, effect| law!(effect, law => law.lagged_current(now, memory)))
+    }
+
+    #[inline]
     fn measured_current(&self, current: S) -> S {
         let effects = self.effects.iter();
         effects.fold(current, |current, effect| law!(effect, law => law.measured_current(current)))
     }
 
     #[inline(never)]
-    fn encoder_error(&self, output: bool, angle: Angle<S>, speed: S) -> S {
-        asked!(self, (output: bool, angle: Angle<S>, speed: S) -> S, S::ZERO,
-            |sum, law| sum + law.encoder_error(output, angle, speed))
+    fn encoder_error(&self, output: bool, angle: Angle<S>, speed: S, memory: &Memory<S>) -> S {
+        asked!(self, (output: bool, angle: Angle<S>, speed: S, memory: &'a Memory<S>) -> S, S::ZERO,
+            |sum, law| sum + law.encoder_error(output, angle, speed, memory))
     }
 
     #[inline(never)]

@@ -102,7 +102,7 @@ mod tests {
         let law = StructuralHysteresis::<f64>::new(0, 1, &[0.5, width], [1.0, 1.0, 1.0]);
         let bent = 0.4;
         let mut all = [None; MEMORIES];
-        law.relax(&Flow { current: 0.0, speeds: &[speed, 0.0] }, &mut all);
+        law.relax(&Flow { current: 0.0, drive: 0.0, speeds: &[speed, 0.0] }, &mut all);
         let [None, Some(Relaxation { reach, target }), ..] = all else { panic!("{all:?}") };
         let rate = reach * (target - bent) * width;
         assert!((rate - (speed - speed.abs() * bent)).abs() < 1e-12);

@@ -88,7 +88,7 @@ mod tests {
     fn at_the_reference_current_it_tends_to_one() {
         let law = WindingHeating::<f64>::new(0, &[0.25, 0.5, 4.0], 2.0, 1.0);
         let mut all = [None; MEMORIES];
-        law.relax(&Flow { current: -2.0, speeds: &[] }, &mut all);
+        law.relax(&Flow { current: -2.0, drive: 0.0, speeds: &[] }, &mut all);
         assert_eq!(all[0], Some(Relaxation { reach: 2.0, target: 1.0 }));
         let at = Winding { current: 3.0, per_drop: 0.0, drive: 0.0 };
         assert!((law.voltage_drop(at, &[1.0; 4]) - 0.75).abs() < 1e-12);

@@ -2,7 +2,7 @@
 
 use super::{Joint, Mass, Method, State};
 use crate::angle::Angle;
-use crate::effect::Effects;
+use crate::effect::{Effects, Memory};
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
@@ -28,12 +28,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// What the current sensor shows, A.
     pub fn measured_current(&self, state: &State<S, N>) -> S {
-        self.effects.measured_current(state.current).times(self.units.current)
+        self.effects.shown_current(state.current, &state.memory).times(self.units.current)
     }
 
-    /// What the sensor shows when this current flows, both in A.
-    pub fn measured(&self, amperes: f64) -> f64 {
-        let shown = self.effects.measured_current(S::from_f64(amperes * self.units.per_current));
+    /// What the sensor shows when this current flows, both in A, of what effects remember.
+    pub fn measured(&self, amperes: f64, memory: &Memory<S>) -> f64 {
+        let current = S::from_f64(amperes * self.units.per_current);
+        let shown = self.effects.shown_current(current, memory);
         shown.times(self.units.current).to_f64()
     }
 
@@ -67,7 +68,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// What the current sensor shows, A, in double precision; not for a drive.
     pub fn measured_current_a(&self, state: &State<S, N>) -> f64 {
-        self.effects.measured_current(state.current).to_f64() / self.units.per_current
+        self.effects.shown_current(state.current, &state.memory).to_f64() / self.units.per_current
     }
 
     /// Speed of a mass as it is felt at the motor, rad/s, in double precision; not for a drive.
@@ -123,12 +124,18 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// What an encoder shows beside the angle of its shaft, rad there: the motor's, or the one
-    /// behind the last stage.
-    pub fn encoder_error(&self, output: bool, angle_rad: f64, speed_rad_per_s: f64) -> f64 {
+    /// behind the last stage; of its speed, and of what effects remember.
+    pub fn encoder_error(
+        &self,
+        output: bool,
+        angle_rad: f64,
+        speed_rad_per_s: f64,
+        memory: &Memory<S>,
+    ) -> f64 {
         let turn = core::f64::consts::TAU;
         let shaft = if output { self.output_shaft } else { 1.0 };
         let speed = S::from_f64(speed_rad_per_s / shaft * self.units.per_speed);
         let angle = Angle::from_turns(angle_rad / turn);
-        self.effects.encoder_error(output, angle, speed).to_f64() * turn
+        self.effects.encoder_error(output, angle, speed, memory).to_f64() * turn
     }
 }

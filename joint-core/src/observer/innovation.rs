@@ -89,7 +89,8 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 Some(measured) if measured.abs() < gains.most_current => {
                     // Currents are those that give their torque with the model's flux.
                     let measured = measured + measured * track.parameters.flux;
-                    let shown = self.joint.effects.measured_current(track.state.current);
+                    let shown =
+                        self.joint.effects.shown_current(track.state.current, &track.state.memory);
                     let ahead = measured - shown;
                     let ahead = match ahead.abs() > gains.outlier {
                         true => self.electrical_outlier(track, ahead),
@@ -163,7 +164,8 @@ pub(super) fn motor_ahead<S: Real, const N: usize, E: Effects<S>>(
     state: &State<S, N>,
     turn: Turn,
 ) -> S {
-    let shown = state.angle.part + effects.encoder_error(false, state.angle, state.rotor.speed);
+    let error = effects.encoder_error(false, state.angle, state.rotor.speed, &state.memory);
+    let shown = state.angle.part + error;
     (S::from_turn_counts(turn.0 as i32) - shown).split_turns().1
 }
 
@@ -180,7 +182,7 @@ fn output_ahead<S: Real, const N: usize, E: Effects<S>>(
     let part = (state.angle.part - wound.times(turns)).times(gains.shaft);
     let speed = state.stages.last().map_or(S::ZERO, |stage| stage.mass.speed);
     let angle = crate::angle::Angle { part, ..Default::default() };
-    let shown = part + effects.encoder_error(true, angle, speed);
+    let shown = part + effects.encoder_error(true, angle, speed, &state.memory);
     let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
     (beyond - shown).split_turns().1
 }

@@ -5,7 +5,7 @@ use crate::angle::Angle;
 use crate::effect::Effects;
 use crate::friction::{Friction, Half, Turn};
 use crate::scalar::Scalar;
-use crate::state::{Each, Mass, StageState, State};
+use crate::state::{Each, Input, Mass, StageState, State};
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// Deflections and bristles over half a micro-step at constant speed; in the second half with what
@@ -14,11 +14,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     pub(super) fn half_drift(
         &self,
         state: &mut State<S, N>,
+        input: Input<S>,
         from: Angle<S>,
         first: Option<(&Each<S, N>, &Each<Half<S>, N>)>,
     ) -> Each<Half<S>, N> {
         if self.effects.has_memory() {
-            self.remember(state);
+            self.remember(state, input);
         }
         if self.effects.has_levels() {
             return self.half_drift_along(state, from, first);

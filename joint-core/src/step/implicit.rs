@@ -87,7 +87,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     #[inline(never)]
     fn implicit_micro_step(&self, state: &mut State<S, N>, input: Input<S>) {
         if self.effects.has_memory() {
-            self.remember(state);
+            self.remember(state, input);
         }
         let began = *state;
         let bent = self.stage(&began, state, input);
@@ -101,7 +101,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         state.angle = began.angle;
         state.angle.turn(first * early + state.rotor.speed * late, self.half_turn);
         if self.effects.has_memory() {
-            self.remember(state);
+            self.remember(state, input);
         }
     }
 

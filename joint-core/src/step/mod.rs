@@ -55,7 +55,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.kick::<0>(state, input, state.angle, &began);
         let first = Each::of(state, |mass| mass.speed);
         let ahead = state.angle.ahead(first.rotor.times(self.half_turn));
-        let halves = self.half_drift(state, state.angle, None);
+        let halves = self.half_drift(state, input, state.angle, None);
         let gradient = self.forces(state, ahead);
         let joint = S::again(self);
         joint.load(state, input);
@@ -67,7 +67,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         if joint.damped {
             joint.damp_back(state, &gradient);
         }
-        joint.half_drift(state, ahead, Some((&first, &halves)));
+        joint.half_drift(state, input, ahead, Some((&first, &halves)));
         state.angle.turn(first.rotor + state.rotor.speed, joint.half_turn);
         joint.forces(state, state.angle);
         // The load may change before the next micro-step.

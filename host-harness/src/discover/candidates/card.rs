@@ -104,6 +104,8 @@ pub enum Benchmark {
     /// With a size that a user of the joint would care about; `None` where the joint has no place for
     /// it.
     Hidden(fn(&mut Bench<'_>) -> Option<EffectParameters>),
+    /// The same in wide draws alone.
+    Wide(fn(&mut Bench<'_>) -> Option<EffectParameters>),
     /// Not at all, for a reason.
     Left(&'static str),
 }

@@ -33,10 +33,9 @@ pub(in super::super) fn unseen(
 ) -> Result<Unseen, BuildError> {
     let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(*tested))).collect();
     let asked = Problem { mask: &mask, scout: None, ..*problem };
-    // At the noise of the simpler one, where it is right: the better one's would make every error of the other
-    // a great many sigmas, and the sum that of a few moments.
+    // Each at its own noise: where the simpler one's has swallowed what it misses, that tells them apart.
     let at = |fit: &Fit| -> Result<Vec<f64>, BuildError> {
-        let run = asked.design(&fit.model, &without.noise)?;
+        let run = asked.design(&fit.model, &fit.noise)?;
         let rows = run.innovations.iter().zip(run.gains.log_variances()).zip(tested);
         let deviance = |row: &[f64; CHANNELS], log: f64| row.iter().map(bounded).sum::<f64>() + log;
         Ok(rows.map(|((row, log), t)| if *t { deviance(row, log) } else { 0.0 }).collect())
@@ -47,9 +46,9 @@ pub(in super::super) fn unseen(
     Ok(Unseen { series, gain, t })
 }
 
-/// Most that an innovation counts for, in sigmas: one beyond all numbers is no more against a model than
-/// this.
-const MOST: f64 = 1e3;
+/// Most that an innovation counts for, in sigmas: the few moments at which a joint sticks or slips otherwise
+/// are not to outweigh all others.
+const MOST: f64 = 10.0;
 
 fn bounded(error: &f64) -> f64 {
     if error.is_finite() { error.abs().min(MOST).powi(2) } else { MOST * MOST }
