@@ -57,8 +57,8 @@ pub(super) fn weighed(
 }
 
 /// Takes the effects back that samples which no fit has seen speak against, given the others: they are only
-/// possible. Such samples do where an effect makes them unlikelier beyond its standard error, or at all where
-/// all effects together do. Answers with what those samples say of the rest.
+/// possible. Such samples do where an effect makes them unlikelier beyond its standard error. Answers with what
+/// those samples say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -69,15 +69,8 @@ pub(super) fn keep_borne_out(
 ) -> Result<Vec<Unseen>, BuildError> {
     loop {
         let asked = asked(problem, found, tested)?;
-        let together = match found.rounds.len() {
-            0 | 1 => None,
-            _ => Some(unseen(problem, &found.before.fit, &found.after.fit, tested)?),
-        };
-        let worse = together.as_ref().or(asked.first().map(|(unseen, _)| unseen));
-        let worse = worse.is_some_and(|together| together.gain <= 0.0);
         let worst = asked.iter().enumerate().min_by(|a, b| a.1.0.t.total_cmp(&b.1.0.t));
-        let against = |own: &Unseen| own.t < -SIGMAS || worse && own.gain <= 0.0;
-        let Some((k, _)) = worst.filter(|(_, (unseen, _))| against(unseen)) else {
+        let Some((k, _)) = worst.filter(|(_, (unseen, _))| unseen.t < -SIGMAS) else {
             return Ok(asked.into_iter().map(|(unseen, _)| unseen).collect());
         };
         let without = asked.into_iter().nth(k).map(|(_, without)| without);

@@ -135,8 +135,7 @@ fn the_page_says_what_was_found_escapes_what_it_shows_and_draws_no_nan() {
     for text in ["cogging", "motor", "0.97", "rotor torque", "42", "gravity", "a reason"] {
         assert!(page.contains(text), "{text}");
     }
-    let own =
-        "Push on the rotor torque against motor_speed_rad_per_s, with which quadratic-drag varies";
+    let own = "Disturbance of the rotor torque against motor_speed_rad_per_s, with which quadratic-drag varies";
     assert!(page.contains(own), "the effect is drawn against what it varies with");
     let words = escape(card(Kind::Cogging).words);
     assert!(page.contains(&words), "the effect found is explained: {words}");
