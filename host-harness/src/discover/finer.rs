@@ -13,6 +13,7 @@ use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
 use crate::estimate::{noise, refit};
 use crate::plant::BuildError;
+use joint_core::effect::input_delay::delay_s;
 
 /// Rounds of the fit that shows whether finer steps help.
 const ROUNDS: usize = 2;
@@ -64,9 +65,11 @@ pub(super) fn ask_finer(
     Ok(Some(Remainder::of(problem, &found.after.fit, &found.expected, problem.mask)?))
 }
 
-/// Whether a weak name stands beside others, where coarse steps may have made it.
+/// Whether a weak name stands beside others, where coarse steps may have made it, or a model whose input acts
+/// late: it divides the intervals, which is a finer step by itself.
 pub(super) fn is_suspect(found: &Search) -> bool {
-    found.rounds.len() > 1 && found.rounds.iter().any(|round| round.gain < WEAK)
+    let divided = delay_s(&found.after.fit.model.effects) != 0.0;
+    divided || found.rounds.len() > 1 && found.rounds.iter().any(|round| round.gain < WEAK)
 }
 
 /// What a fit makes of every sample at a noise: at the first of two `steps`, or at the finer ones where a moment

@@ -56,9 +56,8 @@ pub(super) fn weighed(
     Ok((weighed?, free_run?))
 }
 
-/// Takes effects back that samples which no fit has seen do not bear out: they are only possible. One beside
-/// others has to make them likelier beyond its standard error, given the others; one alone, which has proved
-/// itself against replicates with nothing hidden, must not make them unlikelier beyond it. Answers with what
+/// Takes effects back that samples which no fit has seen speak against, given the others: they are only
+/// possible. Such samples do where an effect makes them unlikelier beyond its standard error. Answers with what
 /// those samples say of the rest.
 ///
 /// # Errors
@@ -71,8 +70,7 @@ pub(super) fn keep_borne_out(
     loop {
         let asked = asked(problem, found, tested)?;
         let worst = asked.iter().enumerate().min_by(|a, b| a.1.0.t.total_cmp(&b.1.0.t));
-        let least = if found.rounds.len() > 1 { SIGMAS } else { -SIGMAS };
-        let Some((k, _)) = worst.filter(|(_, (unseen, _))| unseen.t < least) else {
+        let Some((k, _)) = worst.filter(|(_, (unseen, _))| unseen.t < -SIGMAS) else {
             return Ok(asked.into_iter().map(|(unseen, _)| unseen).collect());
         };
         let without = asked.into_iter().nth(k).map(|(_, without)| without);
