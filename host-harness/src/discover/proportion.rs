@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::bootstrap::stays_ahead;
 use super::confidence::SIGMAS;
-use super::evidence::{Budget, FreeRun, Unseen, Weighed, unseen, weigh};
+use super::evidence::{Budget, FreeRun, Share, Unseen, Weighed, unseen, weigh};
 use super::findings::{Answer, Named};
 use super::gate::Remainder;
 use super::needless::bare;
@@ -49,7 +49,8 @@ pub(super) fn weighed(
     let models = [&found.before.fit, &found.after.fit];
     let free_run = || FreeRun::of(problem.record, models, noise, held_out);
     let Some(walk) = walk.filter(|_| !interrupt::asked()) else {
-        return Ok((Weighed::default(), free_run()?));
+        let shares = vec![Share::default(); effects.len()];
+        return Ok((Weighed { budget: None, shares }, free_run()?));
     };
     let evidence = || weigh(problem, models, walk, [noise, &found.expected], held_out, effects);
     let (weighed, free_run) = rayon::join(evidence, free_run);
@@ -128,4 +129,53 @@ pub(super) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
         });
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::candidates::cogging;
+    use super::super::trial;
+    use super::*;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn only_a_remainder_that_is_predictable_and_matters_or_fails_makes_the_answer_unknown() {
+        let quiet = Remainder { drive: 1.0, torque: 1.0, unseen: 1.0, ..Remainder::default() };
+        let loud = Remainder { torque: 10.0, ..quiet.clone() };
+        let failing = Remainder { unseen: 2.0, ..loud.clone() };
+        let of = |unnamed_of_drive: f64| Budget { unnamed_of_drive, ..Budget::default() };
+        let (little, much) = (of(0.5 * TOLERANCE), of(2.0 * TOLERANCE));
+        for (named, told) in [(true, Answer::Effect), (false, Answer::Adequate)] {
+            assert_eq!(answered(named, &quiet, Some(&much)), told);
+            assert_eq!(answered(named, &loud, Some(&little)), told);
+            assert_eq!(answered(named, &loud, Some(&much)), Answer::Unknown);
+            assert_eq!(answered(named, &failing, Some(&little)), Answer::Unknown);
+            assert_eq!(answered(named, &loud, None), Answer::Unknown);
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_there_is_kept_one_the_wrong_way_round_is_taken_back_and_each_keeps_a_share() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
+        let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
+        found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
+        found.rounds.push(trial::round(1e4));
+        let mut wrong = found.clone();
+        let unseen = keep_borne_out(&problem, &mut found, &tested).unwrap();
+        assert!(found.rounds.len() == 1 && unseen[0].t > 0.0);
+        // Where no equation stands out nothing is weighed, and no effect is lost by it.
+        let noise = found.after.fit.noise;
+        let (weighed, _) = weighed(&problem, &found, None, &noise, &tested, &unseen).unwrap();
+        assert_eq!(weighed.shares.len(), 1);
+        wrong.after.fit.model.effects[0].values[1] *= -1.0;
+        keep_borne_out(&problem, &mut wrong, &tested).unwrap();
+        assert!(wrong.rounds.is_empty() && wrong.after.fit.model.effects.is_empty());
+        assert_eq!(possible(&wrong, &mask)[0].kind, "cogging");
+    }
 }
