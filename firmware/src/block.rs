@@ -15,7 +15,7 @@
 //! | 4 | CRC-32 (ISO-HDLC) of all bytes before it |
 //!
 //! A payload of a newer version begins with that of the version before, so that what an older block
-//! lacks is what gets its documented default.
+//! lacks is what gets its documented default. Effects are the exception: see [`EFFECTS_SINCE`].
 
 use core::fmt;
 
@@ -28,6 +28,9 @@ use crate::payload;
 pub const VERSION: u16 = 3;
 /// The oldest version that is still understood.
 pub const OLDEST_VERSION: u16 = 1;
+/// Versions before this one number the kinds of effects otherwise, so that of them only joints without
+/// an effect are read.
+pub const EFFECTS_SINCE: u16 = 3;
 /// Room for a block: four flash pages of the STM32G431.
 pub const PAGE_BYTES: usize = 8192;
 /// Where they lie on the STM32G431; `memory.x` ends the program's flash there.
@@ -63,6 +66,8 @@ pub enum BlockError {
     Stages(u8),
     /// The payload is not what this version's type looks like.
     Payload,
+    /// Its joint has effects, which older versions numbered otherwise.
+    Effects(u16),
     /// This coefficient is no number, or one that the equations cannot take.
     Inadmissible(&'static str),
     /// The buffer is too small to write the block into.
@@ -82,6 +87,7 @@ impl BlockError {
             BlockError::Payload => 7,
             BlockError::Inadmissible(_) => 8,
             BlockError::NoRoom => 9,
+            BlockError::Effects(_) => 10,
         }
     }
 
@@ -98,6 +104,7 @@ impl BlockError {
             7 => "unreadable payload",
             8 => "inadmissible value",
             9 => "no room",
+            10 => "effects of an older version: export it anew",
             _ => "unknown reason",
         }
     }
@@ -123,6 +130,13 @@ impl fmt::Display for BlockError {
             }
             BlockError::Stages(found) => {
                 write!(f, "parameter block for {found} stages does not fit this program")
+            }
+            BlockError::Effects(found) => {
+                write!(
+                    f,
+                    "parameter block of version {found} with effects, which this version numbers \
+                     otherwise: export it anew"
+                )
             }
             BlockError::Payload => f.write_str("parameter block with an unreadable payload"),
             BlockError::NoRoom => f.write_str("no room for the parameter block"),

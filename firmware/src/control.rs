@@ -69,6 +69,10 @@ impl<const N: usize> Control<N> {
             return Err(BlockError::Stages(block.stages));
         }
         let rest = block.take_into(&mut self.observer)?;
+        let has_effects = self.observer.as_ref().is_some_and(|it| !it.joint.effects().is_empty());
+        if has_effects && block.version < block::EFFECTS_SINCE {
+            return Err(BlockError::Effects(block.version));
+        }
         self.sensing = match block.version {
             1 => Sensing::DEFAULT,
             _ => block::last(rest)?,

@@ -29,12 +29,14 @@ pub(crate) fn filtered_s(model: &Model, drive: Drive) -> f64 {
 }
 
 /// Of a filtered series at these times, values held from each to the next that the filter
-/// `τ y' = x − y` makes it of: `(y₁ − a y₀)/(1 − a)` with `a = exp(−h/τ)`.
+/// `τ y' = x − y` makes it of: `(y₁ − a y₀)/(1 − a)` with `a = exp(−h/τ)`; what is shown, where the next
+/// value is not known.
 pub(crate) fn unfiltered(shown: &[f64], time_s: &[f64], constant_s: f64) -> Vec<f64> {
     let pairs = shown.windows(2).zip(time_s.windows(2));
     let undone = pairs.map(|(shown, time)| {
         let reached = -(-(time[1] - time[0]) / constant_s).exp_m1();
-        shown[0] + (shown[1] - shown[0]) / reached
+        let change = shown[1] - shown[0];
+        shown[0] + if change.is_nan() { 0.0 } else { change / reached }
     });
     undone.chain(shown.last().copied()).collect()
 }

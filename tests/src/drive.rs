@@ -5,7 +5,7 @@ use firmware::block::{PAGE_BYTES, encode};
 use firmware::link::{self, Link};
 use firmware::parameters::{DriveJoint, Parameters, Sensing};
 use firmware::session::Session;
-use joint_core::effect::EffectSet;
+use joint_core::effect::{EffectParameters, EffectSet};
 use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::observer::{Column, Design, Gains, Level, Observer, Regime, SETS, Spread};
 use joint_core::params::{Friction, Load, Motor, Stage};
@@ -106,7 +106,15 @@ fn design() -> Design<2> {
 /// # Panics
 /// The equations cannot take them.
 pub fn parameters() -> Parameters<2> {
-    let settings = Settings::new(Drive::Voltage, PERIOD_S);
+    parameters_with(&[])
+}
+
+/// The same for a joint with effects.
+///
+/// # Panics
+/// The equations cannot take them.
+pub fn parameters_with(effects: &[EffectParameters]) -> Parameters<2> {
+    let settings = Settings { effects, ..Settings::new(Drive::Voltage, PERIOD_S) };
     let joint = DriveJoint::new(&motor(), &gear(), &Load::default(), &settings).unwrap();
     let gains = Gains::new(&design(), &motor(), &gear(), Drive::Voltage, PERIOD_S);
     let sensing = Sensing {

@@ -6,9 +6,11 @@ use std::path::PathBuf;
 
 use firmware::block::{BlockError, PAGE_BYTES, VERSION, encode_as};
 use firmware::parameters::Parameters;
+use joint_core::effect::{EffectParameters, Kind};
 use joint_core::observer::Status as Health;
+use joint_core::params::Location;
 use joint_core::telemetry::{Command, Hello, Message, Mode, Report, Sample, Status, Trigger};
-use joint_tests::drive::{block, command_bytes, frames, parameters, plant, run};
+use joint_tests::drive::{block, command_bytes, frames, parameters, parameters_with, plant, run};
 use joint_tests::qemu::{self, Board, Run};
 
 const SAMPLES: usize = 4_003;
@@ -148,14 +150,26 @@ fn a_block_is_accepted_migrated_or_refused_by_name_and_a_refusal_listens_with_th
         bytes.truncate(length);
         bytes
     };
+    // What version 2 calls this effect is another one now.
+    let renumbered = {
+        let cogging = EffectParameters::new(Kind::Cogging, Location::Motor)
+            .with("order", 6.0)
+            .with("amplitude_nm", 1e-3);
+        let mut bytes = vec![0; PAGE_BYTES];
+        let length = encode_as(2, &parameters_with(&[cogging]), 2, &mut bytes).unwrap();
+        bytes.truncate(length);
+        bytes
+    };
     let wrong = {
         let Parameters { observer, mut sensing } = parameters();
         sensing.sample_time_s = f32::NAN;
         block(&Parameters { observer, sensing })
     };
-    let cases: [(&[u8], &str, u8, u16); 9] = [
+    let cases: [(&[u8], &str, u8, u16); 11] = [
         (&good, "accepted", 0, VERSION),
         (&old, "accepted", 0, 1),
+        (&as_version(2), "accepted", 0, 2),
+        (&renumbered, "version 2 with effects", BlockError::Effects(2).code(), VERSION),
         (&[0xff; 64], "no parameter block", BlockError::Empty.code(), VERSION),
         (&[0x11; 64], "not a parameter block", BlockError::Magic.code(), VERSION),
         (&as_version(99), "version 99", BlockError::Version(0).code(), VERSION),

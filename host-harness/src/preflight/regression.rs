@@ -173,7 +173,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// A line through coloured noise of correlation `rho`, one row in a hundred thrown far off.
+    /// A line through coloured noise of correlation `rho`, one row in a hundred an outlier.
     fn line(seed: u64, rho: f64) -> Fit {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut rows = Rows::new(2);
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_far_off_do_not_move_the_line() {
+    fn outliers_do_not_move_the_line() {
         let (slope, error) = line(1, 0.0).coefficient(0);
         assert!((slope - 3.0).abs() < 4.0 * error && error < 0.1, "{slope} ± {error}");
     }

@@ -256,7 +256,7 @@ pub fn row(case: &Case, findings: &Findings) -> Row {
     }
 }
 
-/// A number as JSON has it: none where it is beyond all numbers.
+/// A number as JSON has it: none where it is not finite.
 fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }

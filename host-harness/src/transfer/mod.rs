@@ -164,6 +164,9 @@ fn in_windows(
 
 #[cfg(test)]
 mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::params::Location;
+
     use super::*;
     use crate::demo::actuator;
     use crate::synthetic::{Experiment, record};
@@ -184,6 +187,17 @@ mod tests {
         assert!(wrong.free_run.rms > 3.0 * right.free_run.rms, "{right:?} {wrong:?}");
         assert!(right.resting.rms > 10.0 * right.free_run.rms, "{right:?}");
         assert!(right.coasting.unwrap().rms > 10.0 * right.windows.unwrap().rms, "{right:?}");
+    }
+
+    #[test]
+    fn a_voltage_that_acts_late_is_run_late() {
+        let late = EffectParameters::new(Kind::InputDelay, Location::Inverter);
+        let at = |delay| Model { effects: vec![late.with("delay_s", delay)], ..actuator() };
+        let truth = at(6.4e-3);
+        let log = record(&truth, &Experiment::clean(2.5), 2).unwrap();
+        let errors = |model: &Model| angle(&transfer(model, &log).unwrap()).free_run.rms;
+        let [right, prompt] = [errors(&truth), errors(&actuator())];
+        assert!(prompt > 10.0 * right, "{right} {prompt}");
     }
 
     #[test]

@@ -25,7 +25,11 @@ pub(super) struct Shown {
 /// A model over a log's inputs.
 pub(super) struct Runner<'a> {
     model: &'a Model,
+    /// The log's own times, s.
+    time_s: Vec<f64>,
+    /// What acts, and by instant of that the sample of the log.
     inputs: Inputs,
+    samples: Vec<usize>,
     missing: Missing,
     driven: Box<dyn Plant>,
     /// The joint while its drive lets go: no current.
@@ -37,14 +41,17 @@ pub(super) struct Runner<'a> {
 impl<'a> Runner<'a> {
     pub(super) fn new(model: &'a Model, log: &Log) -> Result<Self, BuildError> {
         let (inputs, missing) = Inputs::swinging(log);
+        let (inputs, samples) = inputs.acting(model).unwrap_or((inputs, (0..log.len()).collect()));
         let grid = Grid::new(&inputs.time_s, None);
         Ok(Self {
             driven: plant(model, &grid, inputs.drive)?,
             open: plant(model, &grid, Drive::Current)?,
             layout: Layout::of(model),
             shaft: output_shaft(model),
+            time_s: log.time_s.clone(),
             model,
             inputs,
+            samples,
             missing,
         })
     }
@@ -57,7 +64,8 @@ impl<'a> Runner<'a> {
     pub(super) fn run(&self, start: &[f64], range: Range<usize>) -> Vec<Shown> {
         let mut state = start.to_vec();
         let mut states = Vec::with_capacity(range.len());
-        for k in range.clone() {
+        let instant = |sample: usize| self.samples.partition_point(|own| *own < sample);
+        for k in instant(range.start)..instant(range.end) {
             let given = self.inputs.drive_values[k];
             let free = given.is_nan();
             if free {
@@ -65,7 +73,9 @@ impl<'a> Runner<'a> {
             } else if self.inputs.drive == Drive::Current {
                 state[Layout::CURRENT] = given;
             }
-            states.push(state.clone());
+            if states.len() == self.samples[k] - range.start {
+                states.push(state.clone());
+            }
             let (plant, drive) = if free { (&self.open, 0.0) } else { (&self.driven, given) };
             plant.propagate(k, &mut state, drive, self.inputs.load_nm[k]);
         }
@@ -74,13 +84,13 @@ impl<'a> Runner<'a> {
 
     /// The same for a joint that goes on at its speed.
     pub(super) fn coasting(&self, start: &[f64], range: Range<usize>) -> Vec<Shown> {
-        let begin = self.inputs.time_s[range.start];
+        let begin = self.time_s[range.start];
         let speed = start[self.layout.speed(0)];
         let states: Vec<Vec<f64>> = range
             .clone()
             .map(|k| {
                 let mut state = start.to_vec();
-                state[Layout::ANGLE] += speed * (self.inputs.time_s[k] - begin);
+                state[Layout::ANGLE] += speed * (self.time_s[k] - begin);
                 state
             })
             .collect();
@@ -90,7 +100,7 @@ impl<'a> Runner<'a> {
     /// What the encoders and the current sensor show of states, late ones included.
     fn shown(&self, states: &[Vec<f64>], range: Range<usize>) -> Vec<Shown> {
         let snapshots: Vec<Snapshot> = states.iter().map(|state| self.snapshot(state)).collect();
-        let angles = encoders::shown(self.model, &self.inputs.time_s[range], &snapshots);
+        let angles = encoders::shown(self.model, &self.time_s[range], &snapshots);
         let each = angles.motor.into_iter().zip(angles.output).zip(states);
         each.map(|((motor_rad, output_rad), state)| Shown {
             motor_rad,

@@ -11,6 +11,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         self.current_imposed
     }
 
+    /// The effects in the joint's own units.
+    pub fn effects(&self) -> &E {
+        &self.effects
+    }
+
     /// Micro-steps in a step.
     pub fn micro_steps(&self) -> u32 {
         self.micro_steps.max(self.implicit.micro_steps)
