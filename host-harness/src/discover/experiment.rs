@@ -14,7 +14,7 @@ use super::search::Stage;
 use crate::estimate::fit::Problem;
 use crate::estimate::record::{CHANNELS, Channel, Record};
 use crate::estimate::twin::twin;
-use crate::grid::Grid;
+use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, Plant, plant};
 
@@ -152,20 +152,12 @@ fn blank(record: &Record, interval: f64, drive_values: Vec<f64>, micro_steps: u3
     let time_s: Vec<f64> = (0..drive_values.len()).map(|k| k as f64 * interval).collect();
     let row: [f64; CHANNELS] =
         Channel::ALL.map(|channel| if record.has(channel) { 0.0 } else { f64::NAN });
-    Record {
-        grid: Grid::new(&time_s, Some(micro_steps)),
-        drive: record.drive,
-        lead_s: 0.0,
-        load_nm: vec![0.0; drive_values.len()],
-        measured: vec![row; drive_values.len()],
-        bus_v: None,
-        temperature_c: None,
-        starts: vec![0],
-        cuts: Vec::new(),
-        motions: Vec::new(),
-        drive_values,
-        time_s,
-    }
+    let log = Log { time_s, motor_angle_rad: vec![0.0; drive_values.len()], ..Log::default() };
+    let mut blank = Record::new(&log, Some(micro_steps));
+    blank.drive = record.drive;
+    blank.measured = vec![row; drive_values.len()];
+    blank.drive_values = drive_values;
+    blank
 }
 
 /// How far the rotor goes from where the log begins, rad, to either side.

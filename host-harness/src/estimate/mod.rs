@@ -25,6 +25,7 @@ mod reach;
 pub mod record;
 pub mod refit;
 mod scales;
+mod scatter;
 mod scoring;
 pub mod scout;
 pub mod slope;

@@ -101,7 +101,8 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         observer.sensitivity(channel, walks, row);
         p.times(row, &mut scratch.column);
         let sensor = noise.sensors[c];
-        let variance = dot(row, &scratch.column) + sensor * sensor;
+        let scatter = sensor * sensor + observer.record.jitter(k, channel);
+        let variance = dot(row, &scratch.column) + scatter;
         let weight = 1.0 / variance.sqrt();
         let innovation = measured - observer.shown(channel, x, walks);
         let error = innovation * weight;

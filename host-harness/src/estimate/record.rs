@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use joint_core::joint::Drive;
 
+use super::scatter::Scatter;
 use crate::grid::{GAP, Grid};
 use crate::log::Log;
 use crate::model::Model;
@@ -65,6 +66,10 @@ pub struct Record {
     pub cuts: Vec<usize>,
     /// How the joint moves there, as far as somebody has followed it.
     pub motions: Vec<Motion>,
+    /// What its encoders scatter by, told from their readings.
+    pub(super) scatter: [Option<Scatter>; CHANNELS],
+    /// By sample: variance that the clock's jitter adds to a reading, rad²; empty where it adds none.
+    pub(super) jitter: Vec<[f64; CHANNELS]>,
 }
 
 /// How a joint moves at a sample, as a filter had it.
@@ -111,7 +116,7 @@ impl Record {
     /// # Errors
     /// No log, or logs that impose different things.
     pub fn join(logs: &[Log], micro_steps: Option<u32>) -> Result<Self, JoinError> {
-        let mut parts = logs.iter().map(|log| Self::new(log, micro_steps));
+        let mut parts = logs.iter().map(|log| Self::unasked(log, micro_steps));
         let mut whole = parts.next().ok_or(JoinError::NoLog)?;
         for (number, part) in parts.enumerate() {
             if part.drive != whole.drive {
@@ -131,12 +136,20 @@ impl Record {
             whole.temperature_c = joined(whole.temperature_c, part.temperature_c);
         }
         whole.grid = Grid::new(&whole.time_s, micro_steps);
+        whole.ask_encoders();
         Ok(whole)
     }
 
     /// From a log, without the stretches in which nothing says what drove the joint; `micro_steps` of every
     /// interval, `None` takes what the parameters ask for.
     pub fn new(log: &Log, micro_steps: Option<u32>) -> Self {
+        let mut record = Self::unasked(log, micro_steps);
+        record.ask_encoders();
+        record
+    }
+
+    /// The same before its encoders are asked what they scatter by.
+    fn unasked(log: &Log, micro_steps: Option<u32>) -> Self {
         let log = &driven(log);
         let n = log.time_s.len();
         let (drive, values) = match (&log.voltage_v, &log.current_a) {
@@ -173,6 +186,25 @@ impl Record {
             starts,
             cuts,
             motions: Vec::new(),
+            scatter: [None; CHANNELS],
+            jitter: Vec::new(),
+        }
+    }
+
+    /// Finds what the encoders and their clock scatter by.
+    fn ask_encoders(&mut self) {
+        for channel in [Channel::Motor, Channel::Output] {
+            let c = channel as usize;
+            let angles: Vec<f64> = self.measured.iter().map(|row| row[c]).collect();
+            let found = Scatter::of(&self.time_s, &angles, &self.starts, self.digit(channel));
+            self.scatter[c] = found;
+            let Some(jitter_s) = found.map(|it| it.jitter_s).filter(|jitter| *jitter > 0.0) else {
+                continue;
+            };
+            self.jitter.resize(angles.len(), [0.0; CHANNELS]);
+            for (k, row) in self.jitter.iter_mut().enumerate() {
+                row[c] = (jitter_s * self::speed(&self.time_s, &angles, k)).powi(2);
+            }
         }
     }
 
@@ -220,6 +252,11 @@ impl Record {
             starts,
             cuts,
             motions: Vec::new(),
+            scatter: self.scatter,
+            jitter: match self.jitter.is_empty() {
+                true => Vec::new(),
+                false => samples().map(|k| self.jitter[k]).collect(),
+            },
         }
     }
 
@@ -248,10 +285,18 @@ impl Record {
         self.measured.iter().any(|row| row[channel as usize].is_finite())
     }
 
-    /// Noise that a channel's sensor adds, one sigma in its unit, as far as the model and the
-    /// record's digits tell; at least what rounding to a count or to the last printed digit leaves.
+    /// Noise that a channel's sensor adds, one sigma in its unit: what rounding to a count, as the model
+    /// says it, or to the last printed digit leaves, and where readings plainly scatter by more, that.
     pub fn sensor_sigma(&self, model: &Model, channel: Channel) -> f64 {
-        Self::count_sigma(model, channel).max(self.digit_sigma(channel))
+        let rounding = Self::count_sigma(model, channel).max(self.digit_sigma(channel));
+        let found = self.scatter[channel as usize].filter(|scatter| scatter.exceeds(rounding));
+        found.map_or(rounding, |scatter| scatter.sigma_rad)
+    }
+
+    /// Variance that the clock's jitter adds to what a channel shows at a sample.
+    #[inline]
+    pub(super) fn jitter(&self, k: usize, channel: Channel) -> f64 {
+        self.jitter.get(k).map_or(0.0, |row| row[channel as usize])
     }
 
     /// The same as far as the model tells; zero where it does not.
@@ -278,6 +323,13 @@ impl Record {
         let smallest = steps.filter(|step| *step > 1e-12).fold(f64::INFINITY, f64::min);
         if smallest.is_finite() { smallest } else { 1e-6 }
     }
+}
+
+/// Speed at a sample, from its neighbours; zero where they are not known.
+fn speed(time_s: &[f64], angle_rad: &[f64], k: usize) -> f64 {
+    let (before, after) = (k.saturating_sub(2), (k + 2).min(time_s.len() - 1));
+    let speed = (angle_rad[after] - angle_rad[before]) / (time_s[after] - time_s[before]);
+    if speed.is_finite() { speed } else { 0.0 }
 }
 
 /// A channel of two records one after the other, if both have it.

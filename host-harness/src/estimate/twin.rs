@@ -35,7 +35,7 @@ pub fn twin(
     let plant = plant(model, &record.grid, record.drive)?;
     let observer = Observer::new(model, &*plant, record);
     let layout = Layout::of(model);
-    let late = Late::of(model, record).samples;
+    let shifts = Late::of(model, record).samples;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let mut state = Vec::new();
@@ -45,15 +45,20 @@ pub fn twin(
         if record.starts.contains(&k) {
             state = observer.start(k, layout.len(), |number| state.get(number).copied());
         }
+        // One clock stamps both encoders.
+        let late = if record.jitter.is_empty() { 0.0 } else { normal() };
         for channel in Channel::ALL {
             let c = channel as usize;
-            let then = k.checked_add_signed(late[c]).filter(|then| *then < record.len());
+            let then = k.checked_add_signed(shifts[c]).filter(|then| *then < record.len());
             let Some(then) = then else { continue };
             if record.measured[then][c].is_finite() {
                 let shown = observer.shown(channel, &state, &[]);
                 twin.measured[then][c] = match channel {
                     Channel::Current => shown + noise.sensors[c] * normal(),
-                    _ => (shown / count[c]).round() * count[c],
+                    _ => {
+                        let seen = shown + late * record.jitter(then, channel).sqrt();
+                        (seen / count[c]).round() * count[c]
+                    }
                 };
             }
         }
