@@ -305,6 +305,7 @@ fn believable(noise: &Noise, expected: &Noise) -> Noise {
     Noise {
         drive: noise.drive.min(2.0 * expected.drive),
         torque: noise.torque.min(2.0 * expected.torque),
+        output: noise.output.min(2.0 * expected.output),
         ..*noise
     }
 }
@@ -462,6 +463,15 @@ fn noise_rows(found: &Search, record: &Record) -> Vec<NoiseRow> {
         before: before.torque,
         after: after.torque,
     }];
+    if found.expected.output > 0.0 {
+        rows.push(NoiseRow {
+            name: "output torque at the motor",
+            unit: "Nm",
+            expected: found.expected.output,
+            before: before.output,
+            after: after.output,
+        });
+    }
     if record.drive == Drive::Voltage {
         rows.push(NoiseRow {
             name: "voltage",

@@ -72,6 +72,7 @@ mod tests {
         let noise = Noise {
             drive: SHARE * noise.drive,
             torque: SHARE * noise.torque,
+            output: SHARE * noise.output,
             sensors: noise.sensors.map(|sigma| SHARE * sigma),
         };
         let proud = Fit { model, noise, ..simpler.clone() };

@@ -46,6 +46,9 @@ pub struct Remainder {
     pub drive: f64,
     /// Noise on the rotor over what is expected.
     pub torque: f64,
+    /// The same on the output; zero where it is taken to feel nothing of its own.
+    #[serde(default)]
+    pub output: f64,
     /// Largest difference of an autocorrelation from the twins' beyond their scatter, by channel.
     pub colour: [f64; CHANNELS],
     /// Variance over the twins', by channel; zero where nothing is measured.
@@ -79,6 +82,7 @@ impl Remainder {
                 Drive::Current => 1.0,
             },
             torque: fit.noise.torque / expected.torque,
+            output: fit.noise.output_times(expected),
             rugged: fit.model.stages.len() >= RUGGED,
             ..Self::default()
         };
@@ -123,11 +127,12 @@ impl Remainder {
                 self.drive
             ));
         }
-        if self.torque > torque {
-            all.push(format!(
-                "it needs {:.1} times the noise on the rotor torque that is expected",
-                self.torque
-            ));
+        for (times, mass) in [(self.torque, "rotor"), (self.output, "output")] {
+            if times > torque {
+                all.push(format!(
+                    "it needs {times:.1} times the noise on the {mass} torque that is expected"
+                ));
+            }
         }
         if self.fails_unseen() {
             all.push(format!(

@@ -18,7 +18,7 @@ use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
 use crate::estimate::refit::{cost, refit};
 use crate::estimate::scout::Scout;
-use crate::estimate::timing::{LEAST, timed};
+use crate::estimate::timing::{LEAST, asked};
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
@@ -41,7 +41,7 @@ pub(super) fn search_timed(
         let scout = Scout::of(record, fitted, nominal);
         refit(&Problem::new(record, fitted).scouted(scout.as_ref()), nominal)
     };
-    let (mut record, mut fit) = timed(record, refitted)?;
+    let (mut record, mut fit) = asked(nominal, record, refitted)?;
     if record.drive == Drive::Current
         && record.lead_s == 0.0
         && acts_ahead(&Problem::new(&record, fitted), nominal, &fit)

@@ -33,8 +33,8 @@ struct Descent<'d> {
     origin: &'d Model,
     coordinates: &'d [Coordinate],
     noise: &'d Noise,
-    /// Rotor inertia of the start, kg m².
-    inertia: f64,
+    /// Inertias of the start's rotor and last mass, kg m².
+    inertias: [f64; 2],
     precision: DVector<f64>,
 }
 
@@ -65,8 +65,8 @@ impl Problem<'_> {
     ) -> Result<Fit, BuildError> {
         let Known { along, near } = known;
         let precision = precision(coordinates);
-        let inertia = inertias(start)[0];
-        let descent = Descent { problem: self, origin, coordinates, noise, inertia, precision };
+        let inertias = ends(start);
+        let descent = Descent { problem: self, origin, coordinates, noise, inertias, precision };
         let design = self.design_along(along, start, noise)?;
         let [damping, _] = DAMPING;
         let mut at = Place { model: start.clone(), design, linearised: true, damping };
@@ -114,6 +114,12 @@ impl Problem<'_> {
     }
 }
 
+/// Inertias of the rotor and of the last mass, reflected to the motor, kg m².
+fn ends(model: &Model) -> [f64; 2] {
+    let all = inertias(model);
+    [all[0], all[all.len() - 1]]
+}
+
 impl Descent<'_> {
     fn offset(&self, from: &Model, to: &Model) -> DVector<f64> {
         let distances = self.coordinates.iter().map(|c| c.distance(from, to));
@@ -125,9 +131,14 @@ impl Descent<'_> {
         at.component_mul(&at).component_mul(&self.precision).sum()
     }
 
-    /// The noise of a model: the torque's is what the same accelerations are with its rotor.
+    /// The noise of a model: a torque's is what the same accelerations are with its inertia.
     fn noise_at(&self, model: &Model) -> Noise {
-        Noise { torque: self.noise.torque * inertias(model)[0] / self.inertia, ..*self.noise }
+        let [rotor, last] = ends(model);
+        Noise {
+            torque: self.noise.torque * rotor / self.inertias[0],
+            output: self.noise.output * last / self.inertias[1],
+            ..*self.noise
+        }
     }
 
     /// Minus twice the log-likelihood and the prior where a descent stands.

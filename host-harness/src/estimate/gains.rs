@@ -40,6 +40,9 @@ pub struct Noise {
     pub drive: f64,
     /// Torque on the rotor beside the known ones, Nm, held for a sample.
     pub torque: f64,
+    /// Torque on the last mass beside the known ones, reflected to the motor, Nm, held for a sample; zero
+    /// where the output is taken to feel nothing of its own.
+    pub output: f64,
     /// The sensors.
     pub sensors: [f64; CHANNELS],
 }
@@ -47,12 +50,23 @@ pub struct Noise {
 impl Noise {
     /// The same with the model distrusted so many times as much.
     pub fn distrusted(self, times: f64) -> Self {
-        Self { drive: times * self.drive, torque: times * self.torque, ..self }
+        Self {
+            drive: times * self.drive,
+            torque: times * self.torque,
+            output: times * self.output,
+            ..self
+        }
     }
 
-    /// How many times what is expected the drive or the rotor needs, whichever needs more.
+    /// How many times what is expected the drive, the rotor or the output needs, whichever needs most.
     pub fn times(&self, expected: &Noise) -> f64 {
-        (self.torque / expected.torque).max(self.drive / expected.drive)
+        let felt = (self.torque / expected.torque).max(self.drive / expected.drive);
+        felt.max(self.output_times(expected))
+    }
+
+    /// The same of the output; zero where it is taken to feel nothing.
+    pub fn output_times(&self, expected: &Noise) -> f64 {
+        if expected.output > 0.0 { self.output / expected.output } else { 0.0 }
     }
 }
 

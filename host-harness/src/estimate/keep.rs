@@ -24,9 +24,10 @@ pub(super) struct Measured<'a> {
 pub(super) struct Passed<'a> {
     /// Of each state with each.
     pub(super) transition: &'a Transition,
-    /// Of each state with the drive, and with a torque on the rotor.
+    /// Of each state with the drive, with a torque on the rotor, and with one on the last mass.
     pub(super) drive: &'a [f64],
     pub(super) kick: &'a [f64],
+    pub(super) behind: &'a [f64],
 }
 
 /// Something that watches a filter.

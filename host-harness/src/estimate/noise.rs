@@ -3,7 +3,8 @@
 //! Sensor noise comes from the model's `[sensor]` table where it says so, and from an encoder's readings
 //! where they scatter by more. The rest is found by
 //! maximum likelihood, with an expectation: a supply that is quiet to some 0.2 % of the largest
-//! voltage, a friction torque that scatters by some 2 % of its breakaway level, and as much as its
+//! voltage, a friction torque that scatters by some 2 % of its breakaway level (on the rotor, and on the last
+//! mass where a record asks for it), and as much as its
 //! sensor's noise makes where a current is the input. The expectation keeps a missing effect from being
 //! declared noise.
 
@@ -54,7 +55,7 @@ impl Knob {
     fn moved(&self, noise: &Noise, step: f64) -> Noise {
         let most = match self.source {
             Source::Sensor(_) => f64::INFINITY,
-            Source::Drive | Source::Torque => self.expected + MOST.ln(),
+            Source::Drive | Source::Torque | Source::Output => self.expected + MOST.ln(),
         };
         let there = (self.source.sigma(noise).ln() + step).min(most);
         self.source.with_sigma(noise, there.exp())
@@ -65,17 +66,21 @@ impl Knob {
 pub fn expected(model: &Model, record: &Record) -> Noise {
     let largest = record.drive_values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let bases = Bases::si(&model.motor, &model.stages);
-    let breakaway: f64 = (0..=model.stages.len())
-        .map(|mass| {
-            let friction = match mass.checked_sub(1) {
-                None => &model.motor.friction,
-                Some(k) => &model.stages[k].friction,
-            };
-            friction.breakaway_nm() * bases.shaft(mass).abs()
-        })
-        .sum();
+    let breakaway = |mass: usize| {
+        let friction = match mass.checked_sub(1) {
+            None => &model.motor.friction,
+            Some(k) => &model.stages[k].friction,
+        };
+        friction.breakaway_nm() * bases.shaft(mass).abs()
+    };
+    let stages = model.stages.len();
+    let last = breakaway(stages);
+    let breakaway: f64 = (0..=stages).map(breakaway).sum();
     let constant = model.motor.torque_constant_nm_per_a;
-    let felt = if breakaway > 0.0 { 0.02 * breakaway } else { 1e-3 * largest * constant };
+    let felt = |breakaway: f64| match breakaway > 0.0 {
+        true => 0.02 * breakaway,
+        false => 1e-3 * largest * constant,
+    };
     // A measured current as the input brings its sensor's noise along.
     let brought = match record.drive {
         Drive::Voltage => 0.0,
@@ -83,7 +88,8 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
     };
     Noise {
         drive: (2e-3 * largest).max(1e-9),
-        torque: felt.hypot(brought),
+        torque: felt(breakaway).hypot(brought),
+        output: if record.output_disturbed && stages > 0 { felt(last) } else { 0.0 },
         sensors: Channel::ALL.map(|channel| record.sensor_sigma(model, channel)),
     }
 }
@@ -117,6 +123,9 @@ pub fn refine_along(
     if problem.record.drive == Drive::Voltage {
         let expected = expected.drive.ln();
         knobs.push(Knob { source: Source::Drive, expected, spread: 0.7 });
+    }
+    if expected.output > 0.0 {
+        knobs.push(Knob { source: Source::Output, expected: expected.output.ln(), spread: 0.7 });
     }
     for channel in Channel::ALL {
         if problem.record.has(channel) && !known(model, channel) {

@@ -83,8 +83,8 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
             if k + 1 < observer.record.len() {
                 self.linearise(k);
                 self.predict(k);
-                let Scratch { transition, column: drive, kick, .. } = &self.scratch;
-                keep.passed(&Passed { transition, drive, kick });
+                let Scratch { transition, column: drive, kick, behind, .. } = &self.scratch;
+                keep.passed(&Passed { transition, drive, kick, behind });
             }
         }
     }
@@ -177,6 +177,12 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         scratch.column[..n].copy_from_slice(by_drive);
         p.add_square(noise.drive * noise.drive, &scratch.column);
         p.add_square(noise.torque * noise.torque, kick);
+        if noise.output > 0.0 {
+            let behind = &mut scratch.behind;
+            behind.fill(0.0);
+            observer.push(behind, observer.layout.stages, 1.0, interval);
+            p.add_square(noise.output * noise.output, behind);
+        }
         for (j, walk) in walks.iter().enumerate() {
             p.add_variance(n + j, walk.rate * walk.rate * interval);
         }
@@ -189,6 +195,7 @@ struct Scratch {
     gain: Vec<f64>,
     steps: Vec<f64>,
     kick: Vec<f64>,
+    behind: Vec<f64>,
     transition: Transition,
 }
 
@@ -200,6 +207,7 @@ impl Scratch {
             gain: vec![0.0; order],
             steps: Vec::with_capacity(order + 1),
             kick: vec![0.0; order],
+            behind: vec![0.0; order],
             transition: Transition::none(order),
         }
     }

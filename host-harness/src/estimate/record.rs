@@ -66,6 +66,8 @@ pub struct Record {
     pub cuts: Vec<usize>,
     /// How the joint moves there, as far as somebody has followed it.
     pub motions: Vec<Motion>,
+    /// Whether the output is taken to feel a disturbance of its own.
+    pub output_disturbed: bool,
     /// What its encoders scatter by, told from their readings.
     pub(super) scatter: [Option<Scatter>; CHANNELS],
     /// By sample: variance that the clock's jitter adds to a reading, rad²; empty where it adds none.
@@ -186,6 +188,7 @@ impl Record {
             starts,
             cuts,
             motions: Vec::new(),
+            output_disturbed: false,
             scatter: [None; CHANNELS],
             jitter: Vec::new(),
         }
@@ -252,6 +255,7 @@ impl Record {
             starts,
             cuts,
             motions: Vec::new(),
+            output_disturbed: self.output_disturbed,
             scatter: self.scatter,
             jitter: match self.jitter.is_empty() {
                 true => Vec::new(),
@@ -263,6 +267,11 @@ impl Record {
     /// The same record with that many micro-steps in every interval.
     pub fn refined(&self, micro_steps: u32) -> Self {
         Self { grid: Grid::new(&self.time_s, Some(micro_steps)), ..self.clone() }
+    }
+
+    /// The same record of a joint whose output feels a disturbance of its own.
+    pub fn disturbed(&self) -> Self {
+        Self { output_disturbed: true, ..self.clone() }
     }
 
     /// The same record with every drive value in the middle of the interval that it stands for.

@@ -86,6 +86,7 @@ pub fn resettle(
     let wide = Noise {
         drive: apparent.drive.max(DISTRUST * expected.drive),
         torque: apparent.torque.max(DISTRUST * expected.torque),
+        output: apparent.output.max(DISTRUST * expected.output),
         ..apparent
     };
     let mut best = passing.fit(origin, &start, coordinates, &wide, 3)?;

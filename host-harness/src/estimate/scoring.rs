@@ -24,6 +24,8 @@ pub(super) enum Source {
     Drive,
     /// What the rotor feels.
     Torque,
+    /// What the last mass feels.
+    Output,
     /// What a sensor adds.
     Sensor(Channel),
 }
@@ -34,6 +36,7 @@ impl Source {
         match self {
             Self::Drive => noise.drive,
             Self::Torque => noise.torque,
+            Self::Output => noise.output,
             Self::Sensor(channel) => noise.sensors[channel as usize],
         }
     }
@@ -44,6 +47,7 @@ impl Source {
         match self {
             Self::Drive => noise.drive = sigma,
             Self::Torque => noise.torque = sigma,
+            Self::Output => noise.output = sigma,
             Self::Sensor(channel) => noise.sensors[channel as usize] = sigma,
         }
         noise
@@ -164,7 +168,7 @@ impl Keep for Scoring<'_> {
     }
 
     fn passed(&mut self, over: &Passed<'_>) {
-        let Passed { transition, drive, kick } = *over;
+        let Passed { transition, drive, kick, behind } = *over;
         let order = self.scratch.len();
         for Along { source, state, covariance, .. } in &mut self.along {
             for (next, row) in self.scratch.iter_mut().zip(transition.rows().chunks_exact(order)) {
@@ -176,6 +180,7 @@ impl Keep for Scoring<'_> {
             match source {
                 Source::Drive => covariance.add_square(twice, drive),
                 Source::Torque => covariance.add_square(twice, kick),
+                Source::Output => covariance.add_square(twice, behind),
                 Source::Sensor(_) => {}
             }
         }

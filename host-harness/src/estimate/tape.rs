@@ -18,7 +18,7 @@ enum Event {
 #[derive(Debug, Default)]
 pub(super) struct Tape {
     events: Vec<Event>,
-    /// Of every measurement and interval in turn: two numbers by state.
+    /// Of every measurement in turn two numbers by state, of every interval three.
     numbers: Vec<f64>,
     /// Of every interval in turn; what is beyond them is of another stretch.
     transitions: Vec<Transition>,
@@ -50,8 +50,8 @@ impl Tape {
                 }
                 Event::Passed => {
                     let Some(transition) = transitions.next() else { return };
-                    let (drive, kick) = (next(), next());
-                    keep.passed(&Passed { transition, drive, kick });
+                    let (drive, kick, behind) = (next(), next(), next());
+                    keep.passed(&Passed { transition, drive, kick, behind });
                 }
             }
         }
@@ -80,6 +80,7 @@ impl Keep for Tape {
         self.events.push(Event::Passed);
         self.numbers.extend_from_slice(over.drive);
         self.numbers.extend_from_slice(over.kick);
+        self.numbers.extend_from_slice(over.behind);
         match self.transitions.get_mut(self.intervals) {
             Some(known) => known.copy_from(over.transition),
             None => self.transitions.push(over.transition.clone()),

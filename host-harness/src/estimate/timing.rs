@@ -1,4 +1,5 @@
-//! Whether a current that is the input was commanded or measured.
+//! What a log does not say of itself: whether a current that is the input was commanded or measured, and
+//! whether its output feels a disturbance of its own.
 //!
 //! A command holds from its sample to the next. A measured current is one point of a curve, and stands for
 //! the interval around it: taken as a command it is half an interval late, which looks like encoders that
@@ -7,12 +8,36 @@
 use joint_core::joint::Drive;
 
 use super::fit::Fit;
-use super::record::Record;
-use super::refit::cost;
+use super::noise;
+use super::record::{Channel, Record};
+use super::refit::{DOUBTED, cost};
+use crate::model::Model;
 use crate::plant::BuildError;
 
 /// What a measured current must take from minus twice the log-likelihood to be believed.
 pub const LEAST: f64 = 60.0;
+
+/// Fits a record of which neither is known what its current, where that is the input, was, nor whether its
+/// output feels a disturbance of its own. A filter that takes the last mass to feel nothing believes the
+/// equation there to an encoder's step, and bends all others to it: where such a fit is doubted and the other
+/// one is likelier by far, that one is taken.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn asked(
+    model: &Model,
+    record: Record,
+    fit: impl Fn(&Record) -> Result<Fit, BuildError> + Sync,
+) -> Result<(Record, Fit), BuildError> {
+    let plain = timed(record, &fit)?;
+    let (record, first) = &plain;
+    let looked_behind = !model.stages.is_empty() && record.has(Channel::Output);
+    if !looked_behind || first.noise.times(&noise::expected(model, record)) <= DOUBTED {
+        return Ok(plain);
+    }
+    let disturbed = timed(Record { lead_s: 0.0, ..record.disturbed() }, &fit)?;
+    Ok(if cost(first) - cost(&disturbed.1) > LEAST { disturbed } else { plain })
+}
 
 /// Fits a record, whose current, where it is the input, is taken as measured if that makes the record
 /// likelier by far; else as commanded.
@@ -50,7 +75,7 @@ mod tests {
     use crate::demo::actuator;
     use crate::estimate::fit::Problem;
     use crate::estimate::refit::refit;
-    use crate::estimate::{noise, twin};
+    use crate::estimate::twin;
     use crate::log::Log;
     use crate::synthetic::{Experiment, record};
 

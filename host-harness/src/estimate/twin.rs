@@ -65,7 +65,11 @@ pub fn twin(
         let more = noise.drive * normal();
         let drives = observer.late.drives(record, k).map(|drive| drive + more);
         plant.propagate_switched(k, &mut state, drives, record.load_nm[k]);
-        observer.push(&mut state, 0, noise.torque * normal(), record.grid.interval(k));
+        let interval = record.grid.interval(k);
+        observer.push(&mut state, 0, noise.torque * normal(), interval);
+        if noise.output > 0.0 {
+            observer.push(&mut state, layout.stages, noise.output * normal(), interval);
+        }
     }
     Ok(twin)
 }

@@ -12,7 +12,7 @@ use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
 use crate::estimate::refit;
-use crate::estimate::timing::{self, timed};
+use crate::estimate::timing::{self, asked};
 use crate::model::Model;
 use crate::output::OutDir;
 use crate::plant::micro_steps;
@@ -61,7 +61,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let record = coarse.refined(micro_steps(&model, coarse.grid.interval(0)).max(2));
     let mask = vec![1.0; record.len()];
     let fitted = |record: &Record| refit::refit(&Problem::new(record, &mask).cautious(), &model);
-    let (record, fit) = timed(record, fitted)
+    let (record, fit) = asked(&model, record, fitted)
         .map_err(|error| Failure::input(format!("{}: {error}", args.model.display())))?;
     let problem = Problem::new(&record, &mask).cautious();
     bar.finish_and_clear();
@@ -124,6 +124,7 @@ fn result(rows: &[Row], fit: &Fit, record: &Record) -> serde_json::Value {
         "noise": {
             "drive": fit.noise.drive,
             "rotor_torque_nm": fit.noise.torque,
+            "output_torque_at_motor_nm": fit.noise.output,
             "sensors": fit.noise.sensors,
         },
         "current_lead_s": record.lead_s,
