@@ -108,7 +108,9 @@ pub fn discover_without(
     let held_out = held_out(&record);
     let fitted: Vec<f64> = held_out.iter().map(|held| if *held { 0.0 } else { 1.0 }).collect();
     let tested: Vec<f64> = held_out.iter().map(|held| if *held { 1.0 } else { 0.0 }).collect();
-    let (timed, mut found) = search_timed(record, &fitted, nominal, withdrawn, bar)?;
+    let measured = preflight::measured(nominal, logs);
+    let known = (withdrawn, &measured[..]);
+    let (timed, mut found) = search_timed(record, &fitted, nominal, known, bar)?;
     record = timed;
     let problem = Problem::new(&record, &fitted);
 

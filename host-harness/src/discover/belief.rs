@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
+use joint_core::per_unit::Bases;
 
 use super::contradiction::contradiction;
 use super::lines::span;
@@ -61,7 +62,45 @@ pub(super) fn possible(effect: &EffectParameters, model: &Model, record: &Record
     let ahead = acausal && effect.values[0] < 0.0;
     let falling = effect.kind == Kind::TorqueSaturation
         && effect.values[0] < RISING * largest_current(record);
-    inside && !ahead && !falling && !endless(effect, record)
+    inside && !ahead && !falling && !endless(effect, record) && !excessive(effect, model, record)
+}
+
+/// Times the drive's largest torque beyond which none acts on a joint that it moves, and share of its travel
+/// beyond which no encoder or gear is wrong by.
+const MOST_TORQUE: f64 = 10.0;
+const MOST_ERROR: f64 = 0.25;
+
+/// Whether an amplitude is beyond what a joint can have that its drive moves.
+fn excessive(effect: &EffectParameters, model: &Model, record: &Record) -> bool {
+    let bases = Bases::si(&model.motor, &model.stages);
+    let mass = match effect.location {
+        Location::Output | Location::OutputEncoder => model.stages.len(),
+        Location::Stage(stage) => stage.into(),
+        _ => 0,
+    };
+    let shaft = bases.shaft(mass).abs();
+    let mut parameters = effect.kind.spec().parameters.iter().zip(effect.values);
+    parameters.any(|(spec, value)| {
+        let amplitude = |unit: &str| spec.key.ends_with(&format!("amplitude_{unit}"));
+        let travel = || span(record.measured.iter().map(|row| row[Channel::Motor as usize]));
+        amplitude("nm") && !is_moved(value * shaft, model, record)
+            || amplitude("rad") && value.abs() > MOST_ERROR * shaft * travel()
+    })
+}
+
+/// Whether a torque, Nm at the motor, is one against which a drive still moves its joint.
+pub(super) fn is_moved(torque_nm: f64, model: &Model, record: &Record) -> bool {
+    let motor = &model.motor;
+    let largest = match (record.drive, largest_current(record)) {
+        (Drive::Voltage, 0.0) => {
+            let volts = record.drive_values.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+            volts / (2.0 * motor.phase_resistance_ohm)
+        }
+        (_, current) => current,
+    };
+    // Of a winding without a resistance nothing is known.
+    let most = MOST_TORQUE * motor.torque_constant_nm_per_a * largest;
+    !(torque_nm.abs() > most)
 }
 
 /// Whether an effect is a line along the rotor of which the record holds no whole period: any slow course.

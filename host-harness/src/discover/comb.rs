@@ -10,6 +10,7 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use nalgebra::{DMatrix, DVector};
 
+use super::belief::is_moved;
 use super::candidates::{cogging, gravity};
 use super::search::Stage;
 use super::whereabouts::push_along;
@@ -68,6 +69,12 @@ pub fn comb(
         }
     }
     let Some((_, mut left, start)) = best else { return Ok(None) };
+    // A push beside a filter that is lost may be of any size.
+    let moved =
+        |line: &Line| is_moved(constant * line.amplitude(), &base.fit.model, problem.record);
+    if !left.iter().all(moved) {
+        return Ok(None);
+    }
     let mut start = start.clone();
     let mut origin = base.origin.clone();
     let mut coordinates = base.fit.coordinates.clone();

@@ -24,6 +24,7 @@ mod gear_or_encoder;
 mod hope;
 pub mod hypothesis;
 pub mod lines;
+mod measured;
 mod needless;
 pub mod next_experiment;
 mod order;

@@ -60,7 +60,9 @@ pub(super) fn drop_needless(
             }
         }
         let lost = cost(&bare.fit) - kept;
+        let measured = search.measured.contains(&search.rounds[k].name);
         let needed = lost >= enough
+            || measured && lost > 0.0
             || lost >= least && holds(problem, &bare.fit, &search.after.fit, &search.expected)?;
         if against.is_some() || !needed {
             against.into_iter().for_each(|against| search.contradicted(against));
@@ -80,7 +82,9 @@ pub(super) fn drop_idle(problem: Problem<'_>, search: &mut Search) -> Result<(),
     while k < search.rounds.len() {
         let (fit, place) = (&search.after.fit, search.place(k));
         let believed = possible(&fit.model.effects[place], &fit.model, problem.record);
-        if believed && (search.rounds.len() == 1 || loss(&problem, fit, place)? >= LEAST_GAIN) {
+        let measured = search.measured.contains(&search.rounds[k].name);
+        let alone = measured || search.rounds.len() == 1;
+        if believed && (alone || loss(&problem, fit, place)? >= LEAST_GAIN) {
             k += 1;
             continue;
         }

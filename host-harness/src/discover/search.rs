@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 
 use indicatif::ProgressBar;
-use joint_core::effect::Kind;
+use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 use rayon::prelude::*;
 
@@ -23,6 +23,7 @@ use super::fork::{Second, try_fork};
 use super::gate::{PLAIN_TORQUE_EXCESS, Remainder};
 use super::hope::try_hope;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
+use super::measured::add_measured;
 use super::needless::{drop_idle, drop_needless, without};
 use super::order::ask_order;
 use super::protected::add_protected;
@@ -127,6 +128,8 @@ pub struct Search {
     pub contradictions: Vec<(Kind, String)>,
     /// Kinds that are not on the list.
     pub withdrawn: Vec<Kind>,
+    /// Names that a regression is certain of: they stay as long as the log is likelier with them.
+    pub(super) measured: Vec<(Kind, Location)>,
     /// Noise that the sensors and the joint's nature lead one to expect.
     pub expected: Noise,
     /// What a constant torque explains where gravity is named.
@@ -153,6 +156,7 @@ impl Search {
             chance: Vec::new(),
             contradictions: Vec::new(),
             withdrawn: withdrawn.to_vec(),
+            measured: Vec::new(),
             expected,
             constant: None,
             settled: None,
@@ -168,7 +172,8 @@ impl Search {
     }
 }
 
-/// Runs the search from the nominal's refit.
+/// Runs the search from the nominal's refit; kinds that are `withdrawn` are not on the list, and effects that
+/// were `measured` are asked first.
 ///
 /// # Errors
 /// The nominal cannot be built.
@@ -176,7 +181,7 @@ pub fn search(
     problem: Problem<'_>,
     nominal: &Model,
     fit: Fit,
-    withdrawn: &[Kind],
+    (withdrawn, measured): (&[Kind], &[EffectParameters]),
     bar: &ProgressBar,
 ) -> Result<Search, BuildError> {
     let expected = noise::expected(nominal, problem.record);
@@ -184,6 +189,7 @@ pub fn search(
     // Contenders are told apart by tens; the model that is left in the end is polished.
     let last = problem;
     let mut search = Search::new(before, withdrawn, expected);
+    add_measured(last.rough(), &mut search, measured)?;
     look(last, &mut search, bar)?;
     if search.rounds.is_empty() && may_be_stuck(&last, &search)? {
         look_from_elsewhere(last, &mut search, bar)?;

@@ -33,7 +33,7 @@ pub(super) fn search_timed(
     record: Record,
     fitted: &[f64],
     nominal: &Model,
-    withdrawn: &[Kind],
+    known: (&[Kind], &[EffectParameters]),
     bar: &ProgressBar,
 ) -> Result<(Record, Search), BuildError> {
     bar.set_message("refitting the nominal");
@@ -46,13 +46,16 @@ pub(super) fn search_timed(
         && record.lead_s == 0.0
         && acts_ahead(&Problem::new(&record, fitted), nominal, &fit)
     {
-        record = record.centred();
-        fit = refitted(&record)?;
+        let centred = record.centred();
+        let again = refitted(&centred)?;
+        if cost(&again).is_finite() {
+            (record, fit) = (centred, again);
+        }
     }
     let searched = |record: &Record, fit| {
         let scout = Scout::of(record, fitted, nominal);
         let problem = Problem::new(record, fitted).scouted(scout.as_ref());
-        search(problem, nominal, fit, withdrawn, bar)
+        search(problem, nominal, fit, known, bar)
     };
     let found = searched(&record, fit)?;
     let asked = record.drive == Drive::Voltage || record.lead_s > 0.0;
@@ -118,7 +121,7 @@ mod tests {
         let mask = vec![1.0; record.len()];
         let half = 0.5 * record.grid.typical_interval();
         let (record, found) =
-            search_timed(record, &mask, &nominal, &[], &ProgressBar::hidden()).unwrap();
+            search_timed(record, &mask, &nominal, (&[], &[]), &ProgressBar::hidden()).unwrap();
         let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
         assert_eq!(names, [(Kind::SensorDelay, Location::Encoder)]);
         assert_eq!(record.lead_s, half);
@@ -141,7 +144,7 @@ mod tests {
         let mask = vec![1.0; record.len()];
         let half = 0.5 * record.grid.typical_interval();
         let (record, found) =
-            search_timed(record, &mask, &nominal, &[], &ProgressBar::hidden()).unwrap();
+            search_timed(record, &mask, &nominal, (&[], &[]), &ProgressBar::hidden()).unwrap();
         let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
         assert_eq!(names, [(Kind::InputDelay, Location::Inverter)]);
         assert_eq!(record.lead_s, half);

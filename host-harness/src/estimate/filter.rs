@@ -82,6 +82,8 @@ pub struct Observer<'a> {
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
     pub(super) sensor_errors: bool,
+    /// By channel: time by which what it shows is ahead of the truth, s.
+    ahead: [f64; CHANNELS],
     /// By channel: what its sensor's filter remembers, if it has one.
     lags: [Option<Lag>; CHANNELS],
     /// Samples after which none of their log is asked for, to the end of that log.
@@ -97,9 +99,33 @@ impl<'a> Observer<'a> {
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
         let sensor_errors = model.effects.iter().any(|effect| effect.kind.is_of_a_sensor());
+        let error = |output, speed| plant.encoder_error(output, 0.0, speed, &[0.0; MEMORIES]);
+        let ahead = Channel::ALL.map(|channel| {
+            let by = late.by[channel as usize];
+            match channel {
+                Channel::Current => by,
+                _ if !sensor_errors => by,
+                _ => {
+                    let output = channel == Channel::Output;
+                    by + error(output, 1.0) - error(output, 0.0)
+                }
+            }
+        });
         let lags = Lag::of(model, plant, layout);
         let idle = Vec::new();
-        Self { plant, record, layout, shaft, inertia, known, late, sensor_errors, lags, idle }
+        Self {
+            plant,
+            record,
+            layout,
+            shaft,
+            inertia,
+            known,
+            late,
+            sensor_errors,
+            ahead,
+            lags,
+            idle,
+        }
     }
 
     /// Designs the gains along the record and runs it.
@@ -343,8 +369,13 @@ impl<'a> Observer<'a> {
         row.fill(0.0);
         match channel {
             Channel::Current => row[Layout::CURRENT] = 1.0,
-            Channel::Motor => row[Layout::ANGLE] = 1.0,
+            Channel::Motor => {
+                row[Layout::ANGLE] = 1.0;
+                row[self.layout.speed(0)] = self.ahead[channel as usize];
+            }
             Channel::Output => {
+                row[self.layout.speed(self.layout.stages)] =
+                    self.ahead[channel as usize] * self.shaft;
                 row[Layout::ANGLE] = self.shaft;
                 for k in 0..self.layout.stages {
                     row[self.layout.deflection(k)] = -self.shaft;

@@ -148,6 +148,11 @@ pub fn refine_along(
     let worth = if problem.is_rough() { ROUGH } else { WORTH };
     let mut noise = *start;
     let mut here = scored(&noise)?;
+    // A filter that trusts a wrong model too much may follow it to infinity.
+    while !here.cost.is_finite() && noise.times(expected) < MOST {
+        noise = noise.distrusted(10.0);
+        here = scored(&noise)?;
+    }
     let mut damping = 0.0;
     for _ in 0..MOST_ROUNDS {
         let mut better = None;

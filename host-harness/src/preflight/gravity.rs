@@ -2,7 +2,7 @@
 
 use joint_core::effect::Kind;
 
-use super::torque_balance::CERTAIN;
+use super::torque_balance::{CERTAIN, Weight};
 use super::unit::figure;
 use super::{Case, Check, Finding};
 use crate::plant::output_shaft;
@@ -10,17 +10,21 @@ use crate::plant::output_shaft;
 pub(super) const CHECK: Check =
     Check { name: "gravity", compares: "torque against the output's angle", run };
 
-fn run(case: &Case<'_>) -> Vec<Finding> {
+/// A weight that is certain, and not in the model.
+pub(super) fn lacking(case: &Case<'_>) -> Option<Weight> {
     let model = case.model;
     let held = |kind: Kind| model.effects.iter().any(|effect| effect.kind == kind);
     if model.load.gravity_nm != 0.0 || held(Kind::Gravity) || held(Kind::Coating) {
-        return Vec::new();
+        return None;
     }
     let weight = case.balance.as_ref().and_then(|balance| balance.weight);
     // Below what is left otherwise it is one of many things that repeat with a turn.
-    let Some(weight) = weight.filter(|weight| weight.stands_out(CERTAIN)) else {
-        return Vec::new();
-    };
+    weight.filter(|weight| weight.stands_out(CERTAIN))
+}
+
+fn run(case: &Case<'_>) -> Vec<Finding> {
+    let model = case.model;
+    let Some(weight) = lacking(case) else { return Vec::new() };
     let (amplitude, error) = weight.amplitude();
     let shaft = output_shaft(model).abs();
     let phase = weight.cosine.0.atan2(weight.sine.0);

@@ -15,6 +15,7 @@ mod friction;
 mod gear_ratio;
 mod gravity;
 mod length;
+mod measured;
 mod moves;
 mod outliers;
 mod plausible;
@@ -30,6 +31,7 @@ pub(crate) use angle_jumps::wraps;
 pub use excitation::{Excitation, excitation};
 pub use finding::{Finding, Severity};
 pub use length::LEAST_SAMPLES;
+pub(crate) use measured::measured;
 pub(crate) use regression::median;
 pub(crate) use windows::scatter;
 
