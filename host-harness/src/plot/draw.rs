@@ -83,10 +83,7 @@ impl Plot<'_> {
             if self.y.ticks.is_empty() { "" } else { "y" },
         );
         if top > ABOVE {
-            let _ = write!(
-                svg,
-                "<text x=\"{left}\" y=\"14\" class=\"title\">{title}</text>"
-            );
+            let _ = write!(svg, "<text x=\"{left}\" y=\"14\" class=\"title\">{title}</text>");
             self.explain(svg);
         }
         svg.push_str("<g class=\"ticks\">");
@@ -164,7 +161,8 @@ impl Plot<'_> {
         let [low, high] = range(pairs().map(|(_, y)| *y))?;
         let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
         let y = if bars { [low.min(0.0), high.max(0.0)] } else { [low, high] };
-        let lines = self.series.iter().all(|s| matches!(s.mark, Mark::Line | Mark::Band));
+        let lines =
+            self.series.iter().all(|s| matches!(s.mark, Mark::Line | Mark::Broad | Mark::Band));
         let margin = if lines { 0.0 } else { 0.03 };
         Some([Ruler::new(&self.x, x, margin), Ruler::new(&self.y, y, 0.05)])
     }
@@ -224,7 +222,7 @@ impl Plot<'_> {
     fn ticks(&self, svg: &mut String, [x, y]: [&Ruler; 2], top: f64) {
         let ([width, height], left) = (self.size, self.left());
         let (right, bottom) = (left + width, top + height);
-        for (place, label) in x.ticks((width / 95.0).max(3.0)) {
+        for (place, label) in x.ticks((width / 80.0).max(4.0)) {
             let at = left + place * width;
             let _ = write!(
                 svg,

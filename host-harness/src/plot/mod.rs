@@ -48,6 +48,8 @@ pub enum Ink {
 pub enum Mark {
     /// A line through the points, thinned to what a screen shows.
     Line,
+    /// A broad line, under which others may lie.
+    Broad,
     /// A line with a dot at each point.
     Dots,
     /// A dashed line with a ring at each point.

@@ -32,9 +32,10 @@ impl Pen<'_, '_> {
         let inside = |p: &Point| p.iter().all(|value| (-1e-9..=1.0 + 1e-9).contains(value));
         let runs = || thinned(&across, &up);
         match series.mark {
-            Mark::Line => {
+            Mark::Line | Mark::Broad => {
                 let runs = runs();
-                self.line("line", &runs);
+                let broad = series.mark == Mark::Broad;
+                self.line(if broad { "line broad" } else { "line" }, &runs);
                 let lone = runs.iter().filter(|run| run.len() == 1).flatten().copied();
                 self.dots("dot", lone.collect::<Vec<_>>());
             }

@@ -54,11 +54,13 @@ pub fn with_sigma(value: f64, sigma: Option<f64>) -> String {
     format!("{} &plusmn; {}", digits(value, shown), digits(sigma, 2))
 }
 
-/// A share in per cent; near one it says so instead of rounding to it.
+/// A share in per cent; near one or zero it says so instead of rounding to it.
 pub fn per_cent(share: f64) -> String {
     match share {
         share if !share.is_finite() => NONE.to_owned(),
         share if share > 0.99 && share < 1.0 => "over 99 %".to_owned(),
+        share if share > 0.0 && share < 0.001 => "under 0.1 %".to_owned(),
+        share if share > 0.0 && share < 0.0095 => format!("{:.1} %", 100.0 * share),
         share => format!("{:.0} %", 100.0 * share),
     }
 }
@@ -72,8 +74,9 @@ pub(super) const PREFIXES: [(&str, f64); 7] =
 /// inertia are in g cm², as datasheets have them.
 fn scaled(size: f64, unit: &str) -> (String, f64) {
     let first = unit.split(['/', ' ']).next().unwrap_or_default();
-    if unit == "kg m²" && size > 0.0 && size < 1e-2 {
-        return ("g cm²".to_owned(), 1e-7);
+    if unit == "kg m²" && size > 0.0 && size < 0.1 {
+        let small = size < 1e-4;
+        return if small { ("g cm²".to_owned(), 1e-7) } else { ("kg cm²".to_owned(), 1e-4) };
     }
     if !PREFIXED.contains(&first) || !size.is_finite() || size == 0.0 {
         return (unit.to_owned(), 1.0);
@@ -100,12 +103,26 @@ pub fn si_with_sigma(value: f64, sigma: Option<f64>, unit: &str) -> String {
     }
     let (unit, factor) = scaled(value.abs().max(sigma), unit);
     let (value, sigma) = (value / factor, sigma / factor);
-    let last = sigma.log10().floor() as i32 - i32::from(sigma / 10.0_f64.powf(sigma.log10().floor()) < 3.0);
+    let last = sigma.log10().floor() as i32
+        - i32::from(sigma / 10.0_f64.powf(sigma.log10().floor()) < 3.0);
     let told = match (-9..=0).contains(&last) {
         true => format!("{value:.0$} ± {sigma:.0$}", last.unsigned_abs() as usize),
         false => format!("{} ± {}", rounded(value, 4), rounded(sigma, 2)),
     };
     if unit.is_empty() { told } else { format!("{told} {unit}") }
+}
+
+/// A value in as many digits as its interval allows, without it: `284.65 mΩ`.
+pub fn si_within(value: f64, [low, high]: [f64; 2], unit: &str) -> String {
+    let sigma = 0.25 * (high - low);
+    let told = si_with_sigma(value, Some(sigma), unit);
+    match told.split_once(" ± ") {
+        Some((number, rest)) => {
+            let unit = rest.split_once(' ').map_or("", |(_, unit)| unit);
+            if unit.is_empty() { number.to_owned() } else { format!("{number} {unit}") }
+        }
+        None => told,
+    }
 }
 
 /// A range of a quantity in one unit: `2.82 to 2.98 mNm`.
@@ -172,6 +189,7 @@ mod tests {
         assert_eq!(si(2.9048e-3, "Nm", 3), "2.90 mNm");
         assert_eq!(si(-1.1e-5, "Nm at the motor", 2), "-11 µNm at the motor");
         assert_eq!(si(4.1e-5, "kg m²", 3), "410 g cm²");
+        assert_eq!(si(6e-3, "kg m²", 3), "60.0 kg cm²");
         assert_eq!(si(0.0, "rad", 3), "0 rad");
         assert_eq!(si(12_345.0, "", 3), "12345");
         assert_eq!(si(f64::NAN, "V", 3), "– V");
@@ -179,6 +197,8 @@ mod tests {
         assert_eq!(si_with_sigma(2.9048e-3, Some(1.3e-5), "Nm"), "2.905 ± 0.013 mNm");
         assert_eq!(si_with_sigma(7.83, None, "V"), "7.83 V");
         assert_eq!(si_with_sigma(5.0, Some(800.0), "Nm/rad"), "5 ± 800 Nm/rad");
+        assert_eq!(si_within(0.284_652, [0.284_55, 0.284_76], "Ω"), "284.65 mΩ");
+        assert_eq!(si_within(3.0, [3.0, 3.0], ""), "3.00");
         assert_eq!(si_range([0.99e-3, 1.01e-3], "Nm"), "0.990 to 1.010 mNm");
     }
 

@@ -68,8 +68,7 @@ fn corners(run: &[Point]) -> Vec<Point> {
             (None, before) => {
                 let corner = before.unwrap_or(corner);
                 kept.push(corner);
-                [lowest, highest] =
-                    slopes(corner).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+                [lowest, highest] = slopes(corner).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             }
         }
         before = Some(*point);

@@ -71,7 +71,7 @@
       for (const axis of ['x', 'y']) if (!marked(axis)) kept(axis).forEach(node => node.remove());
       if (!marked('x')) {
         const [from, to] = [value.x(x), value.x(x + w)];
-        for (const [v, label] of wanted('x', from, to, Math.max(3, shown / 95))) {
+        for (const [v, label] of wanted('x', from, to, Math.max(4, shown / 80))) {
           const at = left + (v - from) / (to - from) * shown;
           make('path', {d: `M${at} ${top}V${bottom}`, class: 'grid', 'data-of': 'x'}, ticks);
           make('text', {x: at, y: bottom + 14, 'text-anchor': 'middle', 'data-of': 'x'}, ticks)
@@ -210,7 +210,7 @@
       down.set(event.pointerId, event.clientX);
       if (event.pointerType === 'mouse') {
         if (event.button !== 0) return;
-        plot.setPointerCapture(event.pointerId);
+        try { plot.setPointerCapture(event.pointerId); } catch { /* gone again */ }
         from = across(event.clientX);
         event.preventDefault();
         return;

@@ -1,6 +1,6 @@
 //! The answer in everyday words, for the reader who stops there.
 
-use super::words::{effect, explained, joined, list, words};
+use super::words::{capital, effect, explained, joined, list, words};
 use crate::discover::evidence::Budget;
 use crate::discover::findings::{Answer, Findings, Verdict, Whereabouts};
 use crate::plot::text::{digits, per_cent, si};
@@ -12,11 +12,17 @@ pub(super) fn headline(verdict: &Verdict) -> String {
         Answer::Effect => format!("The model lacks {named}"),
         Answer::Adequate => "Nothing is missing that this log shows".to_owned(),
         Answer::Undecided => "This log cannot tell what the model lacks".to_owned(),
-        Answer::Unknown if named.is_empty() => {
-            "Something is missing, and no known effect explains it".to_owned()
-        }
         Answer::Unknown => {
-            format!("Something is missing that no known effect explains, beside {named}")
+            let beside = if named.is_empty() { named } else { format!(", beside {named}") };
+            let what = match verdict.budget.as_ref().filter(|budget| budget.unnamed > 0.0) {
+                Some(budget) => format!(
+                    "In the {} something is missing that follows the {}",
+                    budget.equation,
+                    words(&budget.unnamed_follows)
+                ),
+                None => "Something is missing".to_owned(),
+            };
+            format!("{what}, and no known effect explains it{beside}")
         }
     }
 }
@@ -25,7 +31,9 @@ pub(super) fn headline(verdict: &Verdict) -> String {
 pub(super) fn paragraphs(findings: &Findings) -> Vec<String> {
     let verdict = &findings.verdict;
     match verdict.verdict {
-        Answer::Undecided => verdict.reasons.clone(),
+        Answer::Undecided => {
+            verdict.reasons.iter().map(|reason| format!("{}.", capital(&words(reason)))).collect()
+        }
         Answer::Adequate => vec![adequate(verdict)],
         Answer::Effect => {
             let mut all = vec![format!("{} {}", what(verdict), how_sure(verdict))];
@@ -54,7 +62,10 @@ fn what(verdict: &Verdict) -> String {
     match &told[..] {
         [] => String::new(),
         [one] => format!("That is {one}."),
-        several => format!("These are {}.", joined(&several.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>())),
+        several => format!(
+            "These are {}.",
+            joined(&several.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>())
+        ),
     }
 }
 
@@ -70,12 +81,11 @@ fn how_sure(verdict: &Verdict) -> String {
     };
     match &verdict.budget {
         Some(budget) => format!(
-            "{sure} Of the error that the refitted model leaves in the {} equation, {} {} {} on samples \
-             that no fit has seen.",
+            "{sure} Of the error that the refitted model leaves in the {} equation {} {} on samples that no \
+             fit has seen.",
             budget.equation,
             if one { "it explains" } else { "they explain" },
             per_cent(budget.named),
-            if one { "alone" } else { "together" },
         ),
         None => sure,
     }
@@ -83,6 +93,9 @@ fn how_sure(verdict: &Verdict) -> String {
 
 /// What is left, and whether it matters.
 fn left(budget: &Budget) -> String {
+    if budget.rms_left <= 0.0 {
+        return format!("What is left in the {} equation is white noise.", budget.equation);
+    }
     format!(
         "What stays unexplained beside white noise is {} RMS, {} of what drives that equation.",
         si(budget.rms_left, &budget.unit, 2),
@@ -92,6 +105,11 @@ fn left(budget: &Budget) -> String {
 
 fn adequate(verdict: &Verdict) -> String {
     let mut text = match &verdict.budget {
+        Some(budget) if budget.rms_left <= 0.0 => format!(
+            "What the refitted model leaves in the {} equation, {} RMS, is white noise.",
+            budget.equation,
+            si(budget.rms_before, &budget.unit, 2)
+        ),
         Some(budget) => format!(
             "The refitted model explains the {} equation up to {} RMS, {} of what drives it.",
             budget.equation,
@@ -143,19 +161,12 @@ pub(super) fn unnamed_rms(budget: &Budget) -> f64 {
 fn possible(verdict: &Verdict) -> Option<String> {
     let names = verdict.possible.iter().map(|own| effect(&own.kind, &own.location));
     let names: Vec<String> = names.collect();
-    let plural = if names.len() == 1 { "a candidate" } else { "candidates" };
     (!names.is_empty()).then(|| {
         format!(
-            "Possible, but not confirmed by samples that no fit has seen: {}. They are {plural}, and not in \
-             the improved model.",
+            "Possible, but not confirmed by samples that no fit has seen, and not in the improved model: {}.",
             joined(&names)
         )
     })
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// To how much the model explains the equation that it misses most.

@@ -5,10 +5,10 @@ use std::fmt::Write;
 
 use super::answer::{order_of, place};
 use super::csv;
-use super::free::{TIME, WIDTH, capital};
+use super::free::{TIME, WIDTH};
 use super::spectrum::{loops, spectrum};
-use super::words::{quantity, words};
-use crate::discover::findings::{Findings, Shape};
+use super::words::{capital, quantity, words};
+use crate::discover::findings::{Answer, Findings, Shape};
 use crate::estimate::record::Channel;
 use crate::plot::text::{escape, per_cent, si};
 use crate::plot::{Axis, Ink, Legend, Mark, Plot, Series, bands, legend};
@@ -43,16 +43,25 @@ pub(super) fn section(page: &mut String, findings: &Findings) {
     hysteresis(page, findings);
 }
 
+/// What leads: the coordinate of what has no name where something has none, else that of the whole disturbance.
+fn leading_shape(findings: &Findings) -> &Shape {
+    let budget = findings.verdict.budget.as_ref().filter(|budget| budget.unnamed > 0.0);
+    let unknown = findings.verdict.verdict == Answer::Unknown;
+    let follows = budget.and_then(|budget| budget.unnamed_follows.split(", ").next());
+    let own = follows.and_then(|name| findings.courses.iter().find(|own| own.coordinate == name));
+    own.filter(|_| unknown).unwrap_or(&findings.shape)
+}
+
 /// The disturbance against what it follows.
-pub(super) fn leading(page: &mut String, findings: &Findings) {
-    let shape = &findings.shape;
+fn leading(page: &mut String, findings: &Findings) {
+    let shape = leading_shape(findings);
     let (name, _) = quantity(&shape.coordinate);
     let title = format!("Disturbance of the {} against {name}", findings.push.equation);
     page.push_str(&against(findings, title, shape).sized(WIDTH, 200.0).svg());
 }
 
 /// What the colours mean; where nothing was added there is one model.
-pub(super) fn keys(findings: &Findings, more: &[(Legend, &'static str)]) -> Vec<(Legend, &'static str)> {
+fn keys(findings: &Findings, more: &[(Legend, &'static str)]) -> Vec<(Legend, &'static str)> {
     let models: &[_] = if added(findings) { &[BEFORE, AFTER] } else { &[SAME] };
     [models, more].concat()
 }
@@ -84,11 +93,10 @@ fn along(page: &mut String, findings: &Findings) {
 
 /// Against everything else, what explains most first.
 fn panels(page: &mut String, findings: &Findings) {
-    let mut courses: Vec<&Shape> = findings
-        .courses
-        .iter()
-        .filter(|own| own.coordinate != findings.shape.coordinate && own.centres.len() > 1)
-        .collect();
+    let shown = &leading_shape(findings).coordinate;
+    let others = findings.courses.iter();
+    let mut courses: Vec<&Shape> =
+        others.filter(|own| own.coordinate != *shown && own.centres.len() > 1).collect();
     if courses.is_empty() {
         return;
     }
@@ -129,13 +137,18 @@ fn orders(page: &mut String, findings: &Findings) {
     strongest.iter().for_each(|row| {
         let _ = write!(page, "<th class=n>{}", order_of(row[0]));
     });
-    for (k, name) in [(1, "refitted"), (2, "improved")].into_iter().take(1 + usize::from(added(findings))) {
+    for (k, name) in
+        [(1, "refitted"), (2, "improved")].into_iter().take(1 + usize::from(added(findings)))
+    {
         let _ = write!(page, "</tr>\n<tr><td>{name}");
         strongest.iter().for_each(|row| {
             let _ = write!(page, "<td class=n>{}", escape(&si(row[k], unit, 2)));
         });
     }
-    page.push_str("</tr></table></div>\n");
+    page.push_str(
+        "</tr></table></div>\n<p class=note>The disturbance is estimated as a random walk, so that fast lines show \
+         smaller than they are.</p>\n",
+    );
 }
 
 /// The disturbance over the wind-up, while it grows and while it falls.
@@ -155,7 +168,9 @@ fn hysteresis(page: &mut String, findings: &Findings) {
     let models = if added(findings) { &models[..] } else { &models[1..] };
     for (name, ink, values) in models {
         let [growing, falling] = loops(&angles.windup_rad, values);
-        for (way, mark, [x, y]) in [("growing", Mark::Line, growing), ("falling", Mark::Rings, falling)] {
+        for (way, mark, [x, y]) in
+            [("growing", Mark::Line, growing), ("falling", Mark::Rings, falling)]
+        {
             series.push(Series::new(format!("{name}, {way}"), *ink, mark, x, y));
         }
     }

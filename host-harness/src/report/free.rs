@@ -13,7 +13,7 @@ use crate::plot::text::{digits, escape, si};
 use crate::plot::{Axis, Ink, Mark, Plot, Series, bands};
 use crate::transfer::{Course, WINDOW_S, courses};
 
-use super::words::words;
+use super::words::{capital, quantity, words};
 
 /// Width of a plot's field, and heights of a signal's and of its errors'.
 pub(super) const WIDTH: f64 = 952.0;
@@ -54,7 +54,7 @@ pub(super) fn section(page: &mut String, entries: &[Entry<'_>], log: &Log, held_
             si(window_s, "s", 2)
         ),
     };
-    table(page, entries, &runs, window_s);
+    table(page, entries, &runs, (diverged, window_s));
     for signal in 0..signals {
         let of: Vec<&Course> = runs.iter().map(|run| &run[signal]).collect();
         plots(page, entries, &of, log, (diverged, held_out));
@@ -66,12 +66,17 @@ pub(super) fn section(page: &mut String, entries: &[Entry<'_>], log: &Log, held_
 }
 
 /// RMS errors by signal, in SI units and as a share of the signal.
-fn table(page: &mut String, entries: &[Entry<'_>], runs: &[Vec<Course>], window_s: f64) {
+fn table(
+    page: &mut String,
+    entries: &[Entry<'_>],
+    runs: &[Vec<Course>],
+    (diverged, window_s): (bool, f64),
+) {
     page.push_str("<div class=wide><table><tr><th>RMS error");
     for entry in entries {
         let _ = write!(page, "<th class=n>{}", entry.name);
     }
-    page.push_str("<th class=n>never moves</tr>\n");
+    page.push_str("</tr>\n");
     let cell = |rms: f64, course: &Course| {
         let share = match course.size > 0.0 {
             true => format!(" <small>({} %)</small>", digits(100.0 * rms / course.size, 2)),
@@ -85,13 +90,12 @@ fn table(page: &mut String, entries: &[Entry<'_>], runs: &[Vec<Course>], window_
         for run in runs {
             page.push_str(&cell(run[s].free_errors.rms, &run[s]));
         }
-        page.push_str(&cell(first.resting.rms, first));
-        if first.window_errors.is_some() {
+        if diverged && first.window_errors.is_some() {
             let _ = write!(page, "</tr>\n<tr><td>{name}, windows of {}", si(window_s, "s", 2));
             for run in runs {
-                page.push_str(&run[s].window_errors.map_or(String::new(), |e| cell(e.rms, &run[s])));
+                let errors = run[s].window_errors;
+                page.push_str(&errors.map_or("<td>".to_owned(), |e| cell(e.rms, &run[s])));
             }
-            page.push_str("<td>");
         }
         page.push_str("</tr>\n");
     }
@@ -118,16 +122,19 @@ fn plots(
     let time = &log.time_s;
     let axis = |what: String| Axis::linear(what, first.signal.unit);
     let plot = |title: String, y: Axis<'static>, height: f64| {
-        let across = Axis::linear("time", "s").within(time.first().zip(time.last()).map(|(a, b)| [*a, *b]));
+        let across =
+            Axis::linear("time", "s").within(time.first().zip(time.last()).map(|(a, b)| [*a, *b]));
         Plot::new(title, across, y).sized(WIDTH, height).linked(TIME).explained()
     };
-    let mut series = vec![Series::new("measured", Ink::Text, Mark::Line, time, &first.measured)];
+    let mut series = vec![Series::new("measured", Ink::Text, Mark::Broad, time, &first.measured)];
     let mut errors = Vec::new();
     for (entry, course) in entries.iter().zip(courses) {
         let own = if diverged { &course.windows } else { &course.free };
         let (x, own) = broken(time, own, if diverged { &course.starts } else { &[] });
-        let measured = broken(time, &course.measured, if diverged { &course.starts } else { &[] }).1;
-        let missed: Vec<f64> = own.iter().zip(&measured).map(|(own, measured)| own - measured).collect();
+        let measured =
+            broken(time, &course.measured, if diverged { &course.starts } else { &[] }).1;
+        let missed: Vec<f64> =
+            own.iter().zip(&measured).map(|(own, measured)| own - measured).collect();
         series.push(Series::new(entry.name, entry.ink, Mark::Line, x.clone(), own));
         // Beside the error of the model as given that of a better one would not be seen.
         if entry.ink != Ink::Faint {
@@ -139,7 +146,9 @@ fn plots(
     let margin = 0.25 * (high - low).max(f64::MIN_POSITIVE);
     let own = axis(name.clone()).within([low - margin, high + margin]);
     let bands = held_out.to_vec();
-    page.push_str(&Plot { series, bands: bands.clone(), ..plot(capital(&name), own, HEIGHTS[0]) }.svg());
+    page.push_str(
+        &Plot { series, bands: bands.clone(), ..plot(capital(&name), own, HEIGHTS[0]) }.svg(),
+    );
     let title = format!("Error of the {name}, simulated less measured");
     let own = axis("error".to_owned());
     page.push_str(&Plot { series: errors, bands, ..plot(title, own, HEIGHTS[1]) }.svg());
@@ -167,19 +176,20 @@ fn ends(values: &[f64]) -> [f64; 2] {
     if low < high { [low, high] } else { [-1.0, 1.0] }
 }
 
-pub(super) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// What a log shows, without a model.
 pub(super) fn measured(page: &mut String, log: &Log) {
     page.push_str("<h2>What the log shows</h2>\n");
-    let optional = [("u_v", &log.voltage_v), ("i_a", &log.current_a), ("output_angle_rad", &log.output_angle_rad)];
+    let optional = [
+        ("u_v", &log.voltage_v),
+        ("i_a", &log.current_a),
+        ("output_angle_rad", &log.output_angle_rad),
+    ];
     let optional = optional.into_iter().filter_map(|(name, values)| Some((name, values.as_ref()?)));
-    for (column, values) in [("motor_angle_rad", &log.motor_angle_rad)].into_iter().chain(optional) {
-        let (name, unit) = super::words::quantity(column);
-        let plot = Plot::new(capital(&name), Axis::linear("time", "s"), Axis::linear(name.clone(), unit));
+    for (column, values) in [("motor_angle_rad", &log.motor_angle_rad)].into_iter().chain(optional)
+    {
+        let (name, unit) = quantity(column);
+        let plot =
+            Plot::new(capital(&name), Axis::linear("time", "s"), Axis::linear(name.clone(), unit));
         let series = vec![Series::new(name.clone(), Ink::Text, Mark::Line, &log.time_s, values)];
         page.push_str(&Plot { series, ..plot.sized(WIDTH, HEIGHTS[1]).linked(TIME) }.svg());
     }
@@ -204,7 +214,7 @@ pub(super) fn stretches(page: &mut String, run: &FreeRun) {
         escape(run.mode)
     );
     for (column, values) in &run.signals {
-        let (name, unit) = super::words::quantity(column);
+        let (name, unit) = quantity(column);
         let [before, after] = values.map(|rms| escape(&rms_in(rms, unit)));
         let _ = writeln!(page, "<tr><td>{name}<td class=n>{before}<td class=n>{after}</tr>");
     }

@@ -16,7 +16,8 @@ const INKS: [usize; 5] = [0, 2, 4, 5, 7];
 /// The figures of the first screen.
 pub(super) fn tiles(page: &mut String, verdict: &Verdict) {
     let mut tile = |figure: String, text: String| {
-        let _ = writeln!(page, "<div><b>{}</b><small>{}</small></div>", escape(&figure), escape(&text));
+        let _ =
+            writeln!(page, "<div><b>{}</b><small>{}</small></div>", escape(&figure), escape(&text));
     };
     if let Some(least) = verdict.effects.iter().map(|own| own.confidence).reduce(f64::min) {
         let text = match verdict.effects.len() {
@@ -36,15 +37,24 @@ pub(super) fn tiles(page: &mut String, verdict: &Verdict) {
             tile(si(unnamed_rms(budget), &budget.unit, 2), text);
         }
         if !verdict.effects.is_empty() {
-            let text = "of what the refitted model misses is explained, on samples that no fit has seen";
+            let text =
+                "of what the refitted model misses is explained, on samples that no fit has seen";
             tile(per_cent(budget.named), text.to_owned());
         }
-        let text = format!(
-            "RMS of {} stays unexplained beside white noise: {} of what drives it",
-            budget.equation,
-            per_cent(budget.left_of_drive)
-        );
-        tile(si(budget.rms_left, &budget.unit, 2), text);
+        match budget.rms_left > 0.0 {
+            true => {
+                let share = per_cent(budget.left_of_drive);
+                let text = format!(
+                    "RMS of {} stays unexplained beside white noise: {share} of what drives it",
+                    budget.equation
+                );
+                tile(si(budget.rms_left, &budget.unit, 2), text);
+            }
+            false => {
+                let text = format!("RMS of {} is left, all of it white noise", budget.equation);
+                tile(si(budget.rms_after, &budget.unit, 2), text);
+            }
+        }
     }
     let gap = &verdict.gap;
     let text = format!(

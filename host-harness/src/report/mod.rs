@@ -18,6 +18,8 @@ mod spectrum;
 mod words;
 
 #[cfg(test)]
+mod browser;
+#[cfg(test)]
 mod tests;
 
 pub(crate) use answer::{budget, to};

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::source::{Source, quoted};
-use super::words::words;
+use super::words::{capital, words};
 use crate::discover::findings::{Answer, Findings};
 use crate::plot::text::escape;
 
@@ -13,7 +13,7 @@ pub(super) fn section(page: &mut String, findings: &Findings, source: &Source) {
     let _ = writeln!(
         page,
         "<h2>What to measure next</h2>\n<p>{}.</p>",
-        escape(&super::free::capital(&words(verdict.next_experiment.trim_end_matches('.'))))
+        escape(&capital(&words(verdict.next_experiment.trim_end_matches('.'))))
     );
     for (what, command) in commands(findings, source) {
         let _ = writeln!(
@@ -41,7 +41,9 @@ fn commands(findings: &Findings, source: &Source) -> Vec<(String, String)> {
         format!("joint discover --model {model} --log {logs} {next} --out {again}"),
     );
     let transfer = (
-        format!("Whether the improved model holds on a recording that no fit has seen, called {next} here:"),
+        format!(
+            "Whether the improved model holds on a recording that no fit has seen, called {next} here:"
+        ),
         format!("joint transfer --model {model} {} --log {next}", found("model.toml")),
     );
     let mut all = match &findings.experiment {
@@ -49,8 +51,14 @@ fn commands(findings: &Findings, source: &Source) -> Vec<(String, String)> {
             let input = found("next_experiment.csv");
             let out = quoted(&source.out.join("expected.csv"));
             vec![(
-                format!("What the drive is to be given ({}), and what the improved model expects:", experiment.name),
-                format!("joint simulate --model {} --input {input} --out {out}", found("model.toml")),
+                format!(
+                    "What the drive is to be given ({}), and what the improved model expects:",
+                    experiment.name
+                ),
+                format!(
+                    "joint simulate --model {} --input {input} --out {out}",
+                    found("model.toml")
+                ),
             )]
         }
         None => Vec::new(),

@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
-use super::words::{effect, explained, kind, parameter, place};
+use super::words::{capital, effect, explained, kind, parameter, place};
 use crate::discover::findings::{Named, NoiseRow, ParameterRow};
-use crate::plot::text::{digits, escape, per_cent, si, si_range, si_with_sigma, unit_of};
+use crate::plot::text::{
+    digits, escape, per_cent, si, si_range, si_with_sigma, si_within, unit_of,
+};
 
 /// Standard errors on either side that hold 95 %.
 const NORMAL_95: f64 = 1.96;
@@ -31,15 +33,18 @@ pub(super) fn table(page: &mut String, rows: &[ParameterRow], assumed: &[String]
             false => escape(&si(row.nominal, unit, 3)),
         };
         let value = |value: f64| escape(&si(value, unit, 3));
-        let improved = if improved { format!("<td class=n>{}", value(row.improved)) } else { String::new() };
+        let told = escape(&si_within(row.improved, row.interval, unit));
+        let values = match improved {
+            true => format!("<td class=n>{}<td class=n>{told}", value(row.refitted)),
+            false => format!("<td class=n>{told}"),
+        };
         let _ = writeln!(
             page,
-            "<tr{} title=\"{}\"><td>{}{mark}<td class=n>{given}<td class=n>{}{improved}<td class=n>{}\
+            "<tr{} title=\"{}\"><td>{}{mark}<td class=n>{given}{values}<td class=n>{}\
              <td class=n>{}</tr>",
             if row.determined { "" } else { " class=vague" },
             escape(&row.key),
             escape(&name),
-            value(row.refitted),
             escape(&si_range(row.interval, unit)),
             change(row.nominal, row.improved)
         );
@@ -65,9 +70,9 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
     }
     page.push_str("<h2>What was found</h2>\n");
     for own in effects {
-        let _ = writeln!(page, "<h3>{}</h3>", escape(&super::free::capital(&effect(&own.kind, &own.location))));
+        let _ = writeln!(page, "<h3>{}</h3>", escape(&capital(&effect(&own.kind, &own.location))));
         if let Some(words) = explained(&own.kind) {
-            let _ = writeln!(page, "<p>{}.</p>", escape(&super::free::capital(words)));
+            let _ = writeln!(page, "<p>{}.</p>", escape(&capital(words)));
         }
         let share = match own.share_error.is_finite() {
             true => format!("{:.1} ± {:.1} %", 100.0 * own.share, 100.0 * own.share_error),
@@ -148,7 +153,8 @@ pub(super) fn noises(page: &mut String, rows: &[NoiseRow], improved: bool) {
     );
     for row in rows {
         let value = |value: f64| escape(&si(value, row.unit, 2));
-        let improved = if improved { format!("<td class=n>{}", value(row.after)) } else { String::new() };
+        let improved =
+            if improved { format!("<td class=n>{}", value(row.after)) } else { String::new() };
         let _ = writeln!(
             page,
             "<tr><td>{}<td class=n>{}<td class=n>{}{improved}</tr>",

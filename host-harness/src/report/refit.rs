@@ -38,18 +38,25 @@ pub fn refit(found: &Refit<'_>, log: &Log, source: &Source) -> String {
         if open == 0 { String::new() } else { format!("; {open} stay assumed") }
     );
     let runs = [found.nominal, found.refitted].map(|model| courses(model, log, WINDOW_S));
-    if let [Ok(nominal), Ok(refitted)] = &runs {
-        for (before, after) in nominal.iter().zip(refitted) {
-            let _ = writeln!(page, "<p class=first>{}</p>", escape(&told(before, after)));
-        }
+    if runs.iter().all(Result::is_ok) {
+        page.push_str(
+            "<p class=first>Run free over the whole log, by its input alone from its first state, the refitted \
+             model misses by:</p>\n",
+        );
     }
     if let Some(timing) = found.timing {
-        let _ = writeln!(page, "<p class=first>{}.</p>", escape(&free::capital(timing)));
+        let _ = writeln!(page, "<p class=first>{}.</p>", escape(&words::capital(timing)));
+    }
+    page.push_str("</div>\n<div class=tiles>\n");
+    if let [Ok(nominal), Ok(refitted)] = &runs {
+        for (before, after) in nominal.iter().zip(refitted) {
+            tile(&mut page, before, after);
+        }
     }
     page.push_str("</div>\n");
     let entry = |name, model, ink| Entry { name, model, ink };
     let entries = [
-        entry("nominal", found.nominal, Ink::Before),
+        entry("nominal", found.nominal, Ink::Faint),
         entry("refitted", found.refitted, Ink::After),
     ];
     free::section(&mut page, &entries, log, &[]);
@@ -64,23 +71,21 @@ pub fn refit(found: &Refit<'_>, log: &Log, source: &Source) -> String {
 }
 
 /// How far a signal is missed, in its unit and in per cent of what it does.
-fn told(before: &Course, after: &Course) -> String {
+fn tile(page: &mut String, before: &Course, after: &Course) {
     let name = words::words(after.signal.column);
-    if after.diverged() {
-        return format!(
-            "The free run of the {name} diverges: it misses by {} RMS, more than a joint that never moves.",
-            si(after.free_errors.rms, after.signal.unit, 3)
-        );
-    }
     let share = |course: &Course| match course.size > 0.0 {
         true => format!(" ({} %)", digits(100.0 * course.free_errors.rms / course.size, 2)),
         false => String::new(),
     };
-    format!(
-        "Run free over the whole log, the refitted model misses the {name} by {} RMS{}; as given, by {}{}.",
-        si(after.free_errors.rms, after.signal.unit, 3),
-        share(after),
-        si(before.free_errors.rms, before.signal.unit, 3),
-        share(before)
-    )
+    let of = |course: &Course| match course.free_errors.rms < 1e15 {
+        true => format!("{}{}", si(course.free_errors.rms, course.signal.unit, 3), share(course)),
+        false => "not finite".to_owned(),
+    };
+    let diverges = if after.diverged() { "; the run diverges" } else { "" };
+    let _ = writeln!(
+        page,
+        "<div><b>{}</b><small>RMS of the {name}{diverges}; as given {}</small></div>",
+        escape(&of(after)),
+        escape(&of(before))
+    );
 }

@@ -16,6 +16,10 @@ pub(super) fn section(page: &mut String, effects: &[Named]) {
     if effects.is_empty() {
         return;
     }
+    if effects.iter().all(|own| own.rivals.is_empty()) {
+        page.push_str("<h2>Rivals</h2>\n<p>No other effect on the list comes near.</p>\n");
+        return;
+    }
     page.push_str(
         "<h2>Rivals, and why they lost</h2>\n<p>Every effect on the list was fitted in the same place as the \
          one found. The improvement of the fit is 2 Δ log-likelihood; 3.8 is what chance gives one parameter \
@@ -25,12 +29,8 @@ pub(super) fn section(page: &mut String, effects: &[Named]) {
     for own in effects {
         let name = effect(&own.kind, &own.location);
         let rows = own.rivals.len().max(1);
-        let _ = write!(
-            page,
-            "<tr><td rowspan={rows}>{}, by {}",
-            escape(&name),
-            digits(own.gain, 4)
-        );
+        let _ =
+            write!(page, "<tr><td rowspan={rows}>{}, by {}", escape(&name), digits(own.gain, 4));
         if own.rivals.is_empty() {
             page.push_str("<td colspan=4>no other name comes near</tr>\n");
         }

@@ -102,7 +102,11 @@ fn assumed(model: &str) -> Vec<String> {
         if line.starts_with('[') {
             let name = line.trim_matches(|c| c == '[' || c == ']');
             stage += usize::from(line.starts_with("[[stage]]"));
-            table = name.replacen("stage", &format!("stage{stage}"), usize::from(name.starts_with("stage")));
+            table = name.replacen(
+                "stage",
+                &format!("stage{stage}"),
+                usize::from(name.starts_with("stage")),
+            );
         } else if let Some((setting, comment)) = line.split_once('#')
             && comment.trim_start().starts_with("assumed")
             && let Some((key, _)) = setting.split_once('=')
@@ -150,7 +154,10 @@ mod tests {
     #[test]
     fn the_hash_is_sha_256() {
         // FIPS 180-2, appendix B.1.
-        assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        assert_eq!(
+            sha256(b"abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        );
     }
 
     #[test]
@@ -158,7 +165,11 @@ mod tests {
         let model = "[motor]\nphase_resistance_ohm = 1.0 # half of the terminal's\n[motor.friction]\n\
                      sigma0_nm_per_rad = 2.0 # assumed: breaks away after 1 mrad\n[[stage]]\n[stage.friction]\n\
                      [[stage]]\nstiffness_nm_per_rad = 3.0 # assumed: usual\n[stage.friction]\ncoulomb_nm = 1.0 # assumed: usual\n";
-        let keys = ["motor.friction.sigma0_nm_per_rad", "stage2.stiffness_nm_per_rad", "stage2.friction.coulomb_nm"];
+        let keys = [
+            "motor.friction.sigma0_nm_per_rad",
+            "stage2.stiffness_nm_per_rad",
+            "stage2.friction.coulomb_nm",
+        ];
         assert_eq!(assumed(model), keys);
     }
 

@@ -87,7 +87,8 @@ mod tests {
         let push = Push { before: line(7.0, 2.0), after: line(3.5, 0.5), ..Push::default() };
         let lines = spectrum(&angle, &[3.5], &push);
         for [order, before, after] in lines {
-            let exact = [if order == 7.0 { 2.0 } else { 0.0 }, if order == 3.5 { 0.5 } else { 0.0 }];
+            let exact =
+                [if order == 7.0 { 2.0 } else { 0.0 }, if order == 3.5 { 0.5 } else { 0.0 }];
             // Whole and half orders over eight whole turns are orthogonal but for rounding.
             assert!((before - exact[0]).abs() < 1e-9 && (after - exact[1]).abs() < 1e-9, "{order}");
         }

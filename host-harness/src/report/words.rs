@@ -78,6 +78,12 @@ pub(super) fn list(effects: &[Named]) -> String {
     joined(&named.collect::<Vec<_>>())
 }
 
+/// A sentence's beginning.
+pub(super) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// `a`, `a and b`, `a, b and c`.
 pub(super) fn joined(names: &[String]) -> String {
     match names {
@@ -114,11 +120,17 @@ mod tests {
 
     #[test]
     fn files_names_become_words_with_a_unit() {
-        assert_eq!(words("motor_angle_rad (one turn), times i_a"), "motor angle (one turn), times current");
+        assert_eq!(
+            words("motor_angle_rad (one turn), times i_a"),
+            "motor angle (one turn), times current"
+        );
         assert_eq!(quantity("t_s"), ("time".to_owned(), "s"));
         assert_eq!(quantity("motor_angle_rad (one turn)").1, "rad");
         assert_eq!(effect("transmission-error", "stage2"), "transmission error in gear stage 2");
-        assert_eq!(parameter("stage1.friction.sigma2_nm_s_per_rad"), ("viscous friction, stage 1".to_owned(), "Nm s/rad"));
+        assert_eq!(
+            parameter("stage1.friction.sigma2_nm_s_per_rad"),
+            ("viscous friction, stage 1".to_owned(), "Nm s/rad")
+        );
         assert_eq!(parameter("motor.phase_resistance_ohm").0, "phase resistance, motor");
         assert_eq!(joined(&["a".into(), "b".into(), "c".into()]), "a, b and c");
     }

@@ -8,6 +8,7 @@ use serde_json::{Map, json};
 
 use super::load::read_checked;
 use super::{Common, Failure, Outcome, read_model};
+use crate::discover::findings::ParameterRow;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
@@ -15,10 +16,9 @@ use crate::estimate::refit;
 use crate::estimate::timing::{self, timed};
 use crate::model::Model;
 use crate::output::OutDir;
-use crate::discover::findings::ParameterRow;
-use crate::report::{self, Refit, Source, quoted};
 use crate::plant::micro_steps;
 use crate::preflight::LEAST_SAMPLES;
+use crate::report::{self, Refit, Source, quoted};
 
 /// Refit a model to a log, with standard errors and what the log cannot determine
 ///
