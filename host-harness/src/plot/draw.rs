@@ -131,6 +131,7 @@ impl Plot<'_> {
                 Mark::Rings => "broken",
                 Mark::Points | Mark::Dots => "round",
                 Mark::Bars => "block",
+                Mark::Broad => "broad",
                 _ => "level",
             };
             let class = series.ink.class();
@@ -223,12 +224,12 @@ impl Plot<'_> {
         let ([width, height], left) = (self.size, self.left());
         let (right, bottom) = (left + width, top + height);
         for (place, label) in x.ticks((width / 80.0).max(4.0)) {
-            let at = left + place * width;
+            let (at, share) = (left + place * width, (1e4 * place).round() / 1e4);
             let _ = write!(
                 svg,
-                "<path d=\"M{at:.1} {top}V{bottom}\" class=\"grid\" data-of=\"x\" data-at=\"{place:.5}\"/>\
+                "<path d=\"M{at:.1} {top}V{bottom}\" class=\"grid\" data-of=\"x\" data-at=\"{share}\"/>\
                  <text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\" data-of=\"x\" \
-                 data-at=\"{place:.5}\">{}</text>",
+                 data-at=\"{share}\">{}</text>",
                 bottom + 14.0,
                 escape(&label)
             );

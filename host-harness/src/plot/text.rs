@@ -105,8 +105,8 @@ pub fn si_with_sigma(value: f64, sigma: Option<f64>, unit: &str) -> String {
     let (value, sigma) = (value / factor, sigma / factor);
     let last = sigma.log10().floor() as i32
         - i32::from(sigma / 10.0_f64.powf(sigma.log10().floor()) < 3.0);
-    let told = match (-9..=0).contains(&last) {
-        true => format!("{value:.0$} ± {sigma:.0$}", last.unsigned_abs() as usize),
+    let told = match (-9..=5).contains(&last) {
+        true => format!("{value:.0$} ± {sigma:.0$}", last.min(0).unsigned_abs() as usize),
         false => format!("{} ± {}", rounded(value, 4), rounded(sigma, 2)),
     };
     if unit.is_empty() { told } else { format!("{told} {unit}") }

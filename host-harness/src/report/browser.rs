@@ -86,7 +86,7 @@ fn tried(page: &str, width: u32, least: usize) -> Option<String> {
 fn a_browser_draws_every_page_zooms_it_and_needs_no_sideways_scroll() {
     let log = log();
     let pages = [
-        (findings(2000), 10),
+        (findings(10_000), 10),
         (without_a_name(Answer::Unknown), 10),
         (without_a_name(Answer::Adequate), 10),
         (without_a_name(Answer::Undecided), 3),

@@ -133,20 +133,17 @@ fn orders(page: &mut String, findings: &Findings) {
     strongest.sort_by(|a, b| b[1].total_cmp(&a[1]));
     strongest.truncate(STRONGEST);
     let unit = findings.push.unit;
-    page.push_str("<div class=wide><table><tr><th>strongest orders, per turn");
-    strongest.iter().for_each(|row| {
-        let _ = write!(page, "<th class=n>{}", order_of(row[0]));
-    });
-    for (k, name) in
-        [(1, "refitted"), (2, "improved")].into_iter().take(1 + usize::from(added(findings)))
-    {
-        let _ = write!(page, "</tr>\n<tr><td>{name}");
-        strongest.iter().for_each(|row| {
-            let _ = write!(page, "<td class=n>{}", escape(&si(row[k], unit, 2)));
-        });
+    let names = if added(findings) { &["refitted", "improved"][..] } else { &["refitted"] };
+    page.push_str("<table><tr><th>strongest orders, per turn");
+    names.iter().for_each(|name| page.push_str(&format!("<th class=n>{name}")));
+    for row in &strongest {
+        let _ = write!(page, "</tr>\n<tr><td>{}", order_of(row[0]));
+        for value in &row[1..=names.len()] {
+            let _ = write!(page, "<td class=n>{}", escape(&si(*value, unit, 2)));
+        }
     }
     page.push_str(
-        "</tr></table></div>\n<p class=note>The disturbance is estimated as a random walk, so that fast lines show \
+        "</tr></table>\n<p class=note>The disturbance is estimated as a random walk, so that fast lines show \
          smaller than they are.</p>\n",
     );
 }
@@ -164,14 +161,17 @@ fn hysteresis(page: &mut String, findings: &Findings) {
         disturbance(findings),
     );
     let mut series = Vec::new();
-    let models = [("refitted", Ink::Before, &push.before), ("improved", Ink::After, &push.after)];
-    let models = if added(findings) { &models[..] } else { &models[1..] };
+    let before = ("refitted", Ink::Before, &push.before);
+    let models = match added(findings) {
+        true => vec![before, ("improved", Ink::After, &push.after)],
+        false => vec![("refitted", Ink::After, &push.after)],
+    };
     for (name, ink, values) in models {
         let [growing, falling] = loops(&angles.windup_rad, values);
         for (way, mark, [x, y]) in
             [("growing", Mark::Line, growing), ("falling", Mark::Rings, falling)]
         {
-            series.push(Series::new(format!("{name}, {way}"), *ink, mark, x, y));
+            series.push(Series::new(format!("{name}, {way}"), ink, mark, x, y));
         }
     }
     page.push_str(&Plot { series, ..plot.sized(WIDTH, 180.0).explained() }.svg());

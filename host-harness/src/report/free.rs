@@ -86,7 +86,8 @@ fn table(
     };
     for (s, first) in runs.first().into_iter().flatten().enumerate() {
         let name = words(first.signal.column);
-        let _ = write!(page, "<tr><td>{name}, whole log");
+        let whole = if diverged { ", whole log" } else { "" };
+        let _ = write!(page, "<tr><td>{name}{whole}");
         for run in runs {
             page.push_str(&cell(run[s].free_errors.rms, &run[s]));
         }

@@ -104,7 +104,9 @@ pub(super) fn findings(samples: usize) -> Findings {
             after: wave(0.1),
         },
         shape: shape(1.0),
-        courses: vec![Shape { coordinate: "motor_speed_rad_per_s".into(), ..shape(0.3) }],
+        courses: ["motor_speed_rad_per_s", "i_a"]
+            .map(|name| Shape { coordinate: name.into(), ..shape(0.3) })
+            .to_vec(),
         angles: Angles {
             motor_rad: time_s.iter().map(|t| 500.0 * t).collect(),
             windup_rad: wave(1e-3),
@@ -155,7 +157,7 @@ pub(super) fn log() -> Log {
 
 /// The findings with this answer and nothing named.
 pub(super) fn without_a_name(answer: Answer) -> Findings {
-    let mut findings = findings(2000);
+    let mut findings = findings(10_000);
     findings.verdict.verdict = answer;
     findings.verdict.possible = std::mem::take(&mut findings.verdict.effects);
     findings
@@ -182,7 +184,7 @@ fn the_page_has_the_verdicts_numbers_escapes_what_it_shows_and_draws_no_nan() {
         si_with_sigma(effect.parameters["amplitude_nm"], Some(1e-4), "Nm"),
         format!("<td class=n>{}<td class=n>{}</tr>", si(before, "rad", 3), si(after, "rad", 3)),
         "gravity at the output".to_owned(),
-        "1.03 to 1.07 Ω".to_owned(),
+        "1.030 to 1.070 Ω".to_owned(),
         escape(&capital(card(Kind::Cogging).words)),
         "a reason".to_owned(),
     ] {
@@ -230,7 +232,7 @@ fn every_answer_leads_with_what_its_reader_needs_first() {
 #[test]
 fn a_free_run_that_leaves_the_log_says_so_and_windows_are_drawn() {
     let mut findings = findings(2000);
-    findings.improved.motor.torque_constant_nm_per_a *= -1.0;
+    findings.improved.motor.torque_constant_nm_per_a *= 0.3;
     let page = html(&findings, &[log()], &source());
     assert!(page.contains("The free run diverges") && page.contains("windows of 100 ms"));
 }

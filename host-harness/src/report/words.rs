@@ -32,7 +32,7 @@ pub(super) fn quantity(coordinate: &str) -> (String, &'static str) {
 
 /// A kind in words.
 pub(super) fn kind(name: &str) -> String {
-    name.replace('-', " ")
+    name.replace('-', " ").replace(" dependent", "-dependent")
 }
 
 /// A place in words, behind a kind.
@@ -126,6 +126,7 @@ mod tests {
         );
         assert_eq!(quantity("t_s"), ("time".to_owned(), "s"));
         assert_eq!(quantity("motor_angle_rad (one turn)").1, "rad");
+        assert_eq!(kind("load-dependent-friction"), "load-dependent friction");
         assert_eq!(effect("transmission-error", "stage2"), "transmission error in gear stage 2");
         assert_eq!(
             parameter("stage1.friction.sigma2_nm_s_per_rad"),
