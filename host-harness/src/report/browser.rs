@@ -10,7 +10,7 @@ use crate::discover::findings::Answer;
 const WATCH: &str = "<script>window.wrong=[];addEventListener('error',e=>wrong.push(e.message));\
                      const own=console.error;console.error=(...a)=>{wrong.push(a.join(' '));own(...a)};</script>";
 
-/// Tries the page as a person would, and writes what it found into the document.
+/// Tries the page as a person would, and tells the frame around it what it found.
 const TRY: &str = r#"<script>addEventListener('load',()=>{
   const told = [];
   const claim = (name, holds) => { if (!holds) told.push(name); };
@@ -18,6 +18,7 @@ const TRY: &str = r#"<script>addEventListener('load',()=>{
   claim('plots are there', plots.length >= +document.body.dataset.least);
   claim('every plot is drawn', plots.every(plot => [...plot.querySelectorAll('.field path')]
     .some(path => (path.getAttribute('d') || '').length > 3)));
+  claim('the window is as narrow as asked', innerWidth === +document.body.dataset.width);
   claim('nothing is wider than the screen',
     document.scrollingElement.scrollWidth <= document.documentElement.clientWidth);
   const linked = plots.filter(plot => plot.dataset.link === 'time');
@@ -54,7 +55,7 @@ const TRY: &str = r#"<script>addEventListener('load',()=>{
     one.dispatchEvent(new MouseEvent('dblclick', {bubbles: true}));
     claim('a double click shows all of it', Math.abs(seen(one)[2] - width(one)) < 0.01);
   }
-  document.body.dataset.told = [...told, ...wrong].join('; ') || 'all holds';
+  parent.postMessage([...told, ...wrong].join('; ') || 'all holds', '*');
 });</script>"#;
 
 /// What the page says of itself in a window of this width; `None` without a browser.
@@ -65,15 +66,25 @@ fn tried(page: &str, width: u32, least: usize) -> Option<String> {
     })?;
     let folder = tempfile::tempdir().unwrap();
     let page = page.replacen("<head>", &format!("<head>{WATCH}"), 1);
-    let page = page.replacen("<body>", &format!("<body data-least=\"{least}\">"), 1);
+    let page = page.replacen(
+        "<body>",
+        &format!("<body data-least=\"{least}\" data-width=\"{width}\">"),
+        1,
+    );
     let page = page.replacen("</body>", &format!("{TRY}</body>"), 1);
-    let file = folder.path().join("report.html");
-    std::fs::write(&file, page).unwrap();
+    std::fs::write(folder.path().join("report.html"), page).unwrap();
+    // A window may be no narrower than a browser likes; a frame may.
+    let file = folder.path().join("frame.html");
+    let frame = format!(
+        "<!doctype html><body><iframe style=\"width:{width}px;height:2000px;border:0\" src=\"report.html\">\
+         </iframe><script>addEventListener('message',e=>{{document.body.dataset.told=e.data}})</script>"
+    );
+    std::fs::write(&file, frame).unwrap();
     let told = Command::new(chromium)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
         .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
         .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
-        .args([&format!("--window-size={width},2000"), "--virtual-time-budget=5000", "--dump-dom"])
+        .args(["--window-size=1400,2000", "--virtual-time-budget=5000", "--dump-dom"])
         .arg(format!("file://{}", file.display()))
         .output()
         .unwrap();
