@@ -34,6 +34,7 @@ impl CrossCheck {
         if !self.passed() {
             bounds.push((Legend::Of(Ink::Wrong), "beyond its bound"));
         }
+        let count = |of: fn(&Row) -> bool| self.rows.iter().filter(|row| of(row)).count();
         let mut body = format!(
             "<p class=over>The embedded step against the reference</p>\n<div class=\"answer{}\">\
              <h1>{}</h1>\n<p class=first>{}</p></div>\n<p>Relative RMS error of each state over the step, in \
@@ -45,7 +46,12 @@ impl CrossCheck {
                 1 => "One bound is broken".to_owned(),
                 count => format!("{count} bounds are broken"),
             },
-            escape(self.verdict().trim_end_matches(':')),
+            format_args!(
+                "{} of {} rows have a bound; {} are a study of forced micro-steps, which is promised nothing.",
+                count(|row| row.bound.is_some()),
+                self.rows.len(),
+                count(|row| !row.chosen)
+            ),
             legend(&[&colours[..], &bounds].concat())
         );
         for state in states {

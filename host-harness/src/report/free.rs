@@ -59,9 +59,11 @@ pub(super) fn section(page: &mut String, entries: &[Entry<'_>], log: &Log, held_
         let of: Vec<&Course> = runs.iter().map(|run| &run[signal]).collect();
         plots(page, entries, &of, log, (diverged, held_out));
     }
-    page.push_str(
+    let shaded = if held_out.is_empty() { "" } else { " Shaded: no fit has seen it." };
+    let _ = writeln!(
+        page,
         "<p class=note>Drag or pinch across a plot to zoom, double-click or double-tap for all of it; plots over \
-         time move together. Shaded: no fit has seen it.</p>\n",
+         time move together.{shaded}</p>"
     );
 }
 

@@ -50,8 +50,9 @@ pub(super) fn table(page: &mut String, rows: &[ParameterRow], assumed: &[String]
         );
     }
     page.push_str(
-        "</table></div>\n<p class=note>Assumed: the log does not tell it; the value stands where the model file put \
-         it, within what such numbers scatter by, and the interval is that of the assumption.</p>\n",
+        "</table></div>\n<p class=note>Assumed: the log does not tell it. Its uncertainty is hardly smaller than before \
+         the fit, so that the interval is mostly that of the assumption, even where the value has moved along with \
+         others.</p>\n",
     );
 }
 

@@ -86,9 +86,9 @@ pub(super) fn tried(page: &mut String, findings: &Findings) {
         rows.len()
     );
     for round in rows.chunk_by(|a, b| a.round == b.round) {
-        let _ = write!(
+        let _ = writeln!(
             page,
-            "<table><tr><th>round {}<th class=n>promise<th class=n>refitted</tr>\n",
+            "<table><tr><th>round {}<th class=n>promise<th class=n>refitted</tr>",
             round[0].round
         );
         for row in round.iter().take(MOST) {
