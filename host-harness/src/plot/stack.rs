@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 use super::Ink;
-use super::text::escape;
+use super::text::{escape, per_cent};
 
 /// A part of the whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub fn stack(heads: &[&str], parts: &[Part]) -> String {
     text.push_str("\">");
     for part in parts.iter().filter(|part| part.share > 0.0) {
         let own = part.share / whole;
-        let told = if own >= TOLD { format!("{:.0} %", 100.0 * part.share) } else { String::new() };
+        let told = if own >= TOLD { per_cent(part.share) } else { String::new() };
         let _ = write!(
             text,
             "<i class=\"{}\" style=\"width:{:.3}%\" title=\"{}\"><b>{told}</b></i>",

@@ -1,6 +1,6 @@
 //! The answer in everyday words, for the reader who stops there.
 
-use super::words::{capital, effect, explained, joined, list, words};
+use super::words::{capital, effect, explained, joined, list, the, words};
 use crate::discover::evidence::Budget;
 use crate::discover::findings::{Answer, Findings, Verdict, Whereabouts};
 use crate::plot::text::{digits, per_cent, si};
@@ -16,9 +16,9 @@ pub(super) fn headline(verdict: &Verdict) -> String {
             let beside = if named.is_empty() { named } else { format!(", beside {named}") };
             let what = match verdict.budget.as_ref().filter(|budget| budget.unnamed > 0.0) {
                 Some(budget) => format!(
-                    "In the {} something is missing that follows the {}",
+                    "In the {} something is missing that follows {}",
                     budget.equation,
-                    words(&budget.unnamed_follows)
+                    the(&words(&budget.unnamed_follows))
                 ),
                 None => "Something is missing".to_owned(),
             };
@@ -141,10 +141,10 @@ fn not_explained(verdict: &Verdict) -> String {
     );
     match budget.unnamed > 0.0 {
         true => format!(
-            "{whole} A part of it can be predicted, so it is a law without a name: {} RMS follow the {} ({} \
+            "{whole} A part of it can be predicted, so it is a law without a name: {} RMS follow {} ({} \
              of what drives the equation).",
             si(unnamed_rms(budget), &budget.unit, 2),
-            words(&budget.unnamed_follows),
+            the(&words(&budget.unnamed_follows)),
             per_cent(budget.unnamed_of_drive)
         ),
         false => format!(
@@ -213,7 +213,7 @@ pub(super) fn place(place: &Whereabouts) -> String {
     }
     let mut text = format!("it acts on the {} equation", place.equation);
     if !place.varies_with.is_empty() {
-        text.push_str(&format!(" and follows the {}", words(&place.varies_with)));
+        text.push_str(&format!(" and follows {}", the(&words(&place.varies_with))));
     }
     if !place.orders.is_empty() {
         let orders: Vec<String> = place.orders.iter().map(|order| order_of(*order)).collect();

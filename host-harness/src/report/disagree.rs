@@ -175,7 +175,7 @@ fn hysteresis(page: &mut String, findings: &Findings) {
         }
     }
     page.push_str(&Plot { series, ..plot.sized(WIDTH, 180.0).explained() }.svg());
-    page.push_str("<p class=note>Two courses apart are a loop: torque that the gear does not give back.</p>\n");
+    page.push_str("<p class=note>Two courses apart are a loop: what the model misses there depends on how the wind-up came about.</p>\n");
 }
 
 /// Errors of the predictions one sample ahead.

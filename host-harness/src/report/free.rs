@@ -6,14 +6,15 @@
 
 use std::fmt::Write;
 
+use rayon::prelude::*;
+
+use super::words::{capital, joined, quantity, words};
 use crate::discover::evidence::FreeRun;
 use crate::log::Log;
 use crate::model::Model;
 use crate::plot::text::{digits, escape, si};
 use crate::plot::{Axis, Ink, Mark, Plot, Series, bands};
 use crate::transfer::{Course, WINDOW_S, courses};
-
-use super::words::{capital, quantity, words};
 
 /// Width of a plot's field, and heights of a signal's and of its errors'.
 pub(super) const WIDTH: f64 = 952.0;
@@ -35,7 +36,7 @@ pub(super) fn section(page: &mut String, entries: &[Entry<'_>], log: &Log, held_
     let whole = log.time_s.last().zip(log.time_s.first()).map_or(0.0, |(last, first)| last - first);
     let window_s = WINDOW_S.min(whole / LEAST_WINDOWS);
     let runs: Result<Vec<_>, _> =
-        entries.iter().map(|entry| courses(entry.model, log, window_s)).collect();
+        entries.par_iter().map(|entry| courses(entry.model, log, window_s)).collect();
     let Ok(runs) = runs else { return };
     let Some(signals) = runs.first().map(Vec::len).filter(|signals| *signals > 0) else { return };
     let best = &runs[runs.len() - 1];
@@ -55,6 +56,9 @@ pub(super) fn section(page: &mut String, entries: &[Entry<'_>], log: &Log, held_
         ),
     };
     table(page, entries, &runs, (diverged, window_s));
+    if let ([.., before, after], false) = (&runs[..], diverged) {
+        worse(page, entries, [before, after]);
+    }
     for signal in 0..signals {
         let of: Vec<&Course> = runs.iter().map(|run| &run[signal]).collect();
         plots(page, entries, &of, log, (diverged, held_out));
@@ -65,6 +69,22 @@ pub(super) fn section(page: &mut String, entries: &[Entry<'_>], log: &Log, held_
         "<p class=note>Drag or pinch across a plot to zoom, double-click or double-tap for all of it; plots over \
          time move together.{shaded}</p>"
     );
+}
+
+/// Says so where the last model runs worse over the whole log than the one before it.
+fn worse(page: &mut String, entries: &[Entry<'_>], [before, after]: [&[Course]; 2]) {
+    let names = before.iter().zip(after).filter(|(a, b)| b.free_errors.rms > a.free_errors.rms);
+    let names: Vec<String> = names.map(|(_, own)| words(own.signal.column)).collect();
+    if let ([.., old, new], false) = (entries, names.is_empty()) {
+        let _ = writeln!(
+            page,
+            "<p>Over the whole log the {} model misses the {} by more than the {} one. Open loop that \
+             can be: small errors of friction add up there.</p>",
+            new.name,
+            joined(&names),
+            old.name
+        );
+    }
 }
 
 /// RMS errors by signal, in SI units and as a share of the signal.

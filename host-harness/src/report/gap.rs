@@ -4,10 +4,10 @@
 use std::fmt::Write;
 
 use super::answer::unnamed_rms;
-use super::words::{effect, words};
+use super::words::{effect, the, words};
 use crate::discover::evidence::Budget;
-use crate::discover::findings::{Answer, Gap, Verdict};
-use crate::plot::text::{digits, escape, per_cent, si};
+use crate::discover::findings::{Answer, Gap, Named, Verdict};
+use crate::plot::text::{digits, escape, per_cent, si, si_with_sigma};
 use crate::plot::{Ink, Part, stack};
 
 /// Colours of effects: those that no other part has.
@@ -28,9 +28,9 @@ pub(super) fn tiles(page: &mut String, verdict: &Verdict) {
     }
     if let Some(budget) = &verdict.budget {
         if verdict.verdict == Answer::Unknown && budget.unnamed > 0.0 {
-            let follows = words(&budget.unnamed_follows);
+            let follows = the(&words(&budget.unnamed_follows));
             let text = format!(
-                "RMS of {} has no name and follows the {follows}: {} of what drives it",
+                "RMS of {} has no name and follows {follows}: {} of what drives it",
                 budget.equation,
                 per_cent(budget.unnamed_of_drive)
             );
@@ -89,19 +89,23 @@ pub(super) fn budget(page: &mut String, verdict: &Verdict) {
     }
 }
 
+/// An effect's share with its standard error.
+pub(super) fn share(own: &Named) -> String {
+    match own.share_error.is_finite() && own.share_error > 0.0 {
+        true => si_with_sigma(100.0 * own.share, Some(100.0 * own.share_error), "%"),
+        false => format!("{:.1} %", 100.0 * own.share),
+    }
+}
+
 fn parts(verdict: &Verdict, budget: &Budget) -> Vec<Part> {
     let rms = |share: f64| si(budget.rms_before * share.max(0.0).sqrt(), &budget.unit, 2);
     let mut all: Vec<Part> = Vec::new();
     for (k, own) in verdict.effects.iter().enumerate() {
-        let error = match own.share_error.is_finite() {
-            true => format!(" ± {:.1}", 100.0 * own.share_error),
-            false => String::new(),
-        };
         all.push(Part {
             name: effect(&own.kind, &own.location),
             ink: Ink::Nth(INKS[k % INKS.len()]),
             share: own.share,
-            cells: vec![format!("{:.1}{error} %", 100.0 * own.share), rms(own.share)],
+            cells: vec![share(own), rms(own.share)],
         });
     }
     let mut part = |name: String, ink: Ink, share: f64| {
@@ -109,7 +113,7 @@ fn parts(verdict: &Verdict, budget: &Budget) -> Vec<Part> {
         all.push(Part { name, ink, share, cells });
     };
     let follows = match budget.unnamed > 0.0 {
-        true => format!("without a name, follows the {}", words(&budget.unnamed_follows)),
+        true => format!("without a name, follows {}", the(&words(&budget.unnamed_follows))),
         false => "predictable, without a name".to_owned(),
     };
     part(follows, Ink::Wrong, budget.unnamed);

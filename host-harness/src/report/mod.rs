@@ -1,7 +1,7 @@
 //! What a discovery or a refit found, for people: a page to read in a minute, and its numbers as a table.
 //!
 //! The page is one file without any link, so that it can be mailed, archived and opened offline. Every number on
-//! it is one of the verdict, or a free run's of the models that it names; nothing is estimated here.
+//! it is the search's own, or a free run's of the models that it names; nothing is estimated here.
 
 mod answer;
 mod csv;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::gap::share;
 use super::words::{capital, effect, explained, kind, parameter, place};
 use crate::discover::findings::{Named, NoiseRow, ParameterRow};
 use crate::plot::text::{
@@ -75,10 +76,7 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
         if let Some(words) = explained(&own.kind) {
             let _ = writeln!(page, "<p>{}.</p>", escape(&capital(words)));
         }
-        let share = match own.share_error.is_finite() {
-            true => format!("{:.1} ± {:.1} %", 100.0 * own.share, 100.0 * own.share_error),
-            false => format!("{:.1} %", 100.0 * own.share),
-        };
+        let share = share(own);
         let _ = writeln!(
             page,
             "<p class=note>Right with a probability of {}. It explains {share} of what the refitted model misses. \

@@ -24,6 +24,11 @@ pub(super) fn words(text: &str) -> String {
     COLUMNS.iter().fold(text.to_owned(), |text, (column, words)| text.replace(column, words))
 }
 
+/// With its article, where it takes one.
+pub(super) fn the(quantity: &str) -> String {
+    if quantity.starts_with("time") { quantity.to_owned() } else { format!("the {quantity}") }
+}
+
 /// What a coordinate is, and its unit.
 pub(super) fn quantity(coordinate: &str) -> (String, &'static str) {
     let column = coordinate.split(" (").next().unwrap_or_default();
@@ -124,6 +129,7 @@ mod tests {
             words("motor_angle_rad (one turn), times i_a"),
             "motor angle (one turn), times current"
         );
+        assert_eq!((the("time"), the("current")), ("time".to_owned(), "the current".to_owned()));
         assert_eq!(quantity("t_s"), ("time".to_owned(), "s"));
         assert_eq!(quantity("motor_angle_rad (one turn)").1, "rad");
         assert_eq!(kind("load-dependent-friction"), "load-dependent friction");

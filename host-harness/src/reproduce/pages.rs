@@ -259,7 +259,7 @@ pub fn page(numbers: &[Number], figures: &[Figure<'_>]) -> String {
     );
     let apart: Vec<&Number> = numbers.iter().filter(|row| !row.agrees).collect();
     if !apart.is_empty() {
-        body.push_str("<p>Apart:</p>\n<ul>");
+        body.push_str("<p>These do not:</p>\n<ul>");
         for row in apart {
             let unit = if row.unit == "1" { "" } else { row.unit };
             let _ = write!(
