@@ -18,7 +18,7 @@ pub(super) fn table(page: &mut String, rows: &[ParameterRow], assumed: &[String]
     let third = if improved { "<th class=n>improved" } else { "" };
     let _ = writeln!(
         page,
-        "<h2>Parameters</h2>\n<div class=wide><table><tr><th>parameter<th class=n>given<th class=n>refitted{third}\
+        "<h2>Parameters</h2>\n<div class=wide><table class=cards><tr><th>parameter<th class=n>given<th class=n>refitted{third}\
          <th class=n>interval of 95 %<th class=n>change</tr>"
     );
     for row in rows {
@@ -36,13 +36,16 @@ pub(super) fn table(page: &mut String, rows: &[ParameterRow], assumed: &[String]
         let value = |value: f64| escape(&si(value, unit, 3));
         let told = escape(&si_within(row.improved, row.interval, unit));
         let values = match improved {
-            true => format!("<td class=n>{}<td class=n>{told}", value(row.refitted)),
-            false => format!("<td class=n>{told}"),
+            true => format!(
+                "<td class=n data-h=refitted>{}<td class=n data-h=improved>{told}",
+                value(row.refitted)
+            ),
+            false => format!("<td class=n data-h=refitted>{told}"),
         };
         let _ = writeln!(
             page,
-            "<tr{} title=\"{}\"><td>{}{mark}<td class=n>{given}{values}<td class=n>{}\
-             <td class=n>{}</tr>",
+            "<tr{} title=\"{}\"><td>{}{mark}<td class=n data-h=given>{given}{values}<td class=n data-h=\"interval of 95 %\">{}\
+             <td class=n data-h=change>{}</tr>",
             if row.determined { "" } else { " class=vague" },
             escape(&row.key),
             escape(&name),

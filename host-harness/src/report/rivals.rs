@@ -23,22 +23,20 @@ pub(super) fn section(page: &mut String, effects: &[Named]) {
     page.push_str(
         "<h2>Rivals, and why they lost</h2>\n<p>Every effect on the list was fitted in the same place as the \
          one found. The improvement of the fit is 2 Δ log-likelihood; 3.8 is what chance gives one parameter \
-         once in twenty times.</p>\n<div class=wide><table><tr><th>found<th>rival<th class=n>improves the fit by\
+         once in twenty times.</p>\n<div class=wide><table class=cards><tr><th>found<th>rival<th class=n>improves the fit by\
          <th class=n>probability<th>why it lost</tr>\n",
     );
     for own in effects {
         let name = effect(&own.kind, &own.location);
-        let rows = own.rivals.len().max(1);
-        let _ =
-            write!(page, "<tr><td rowspan={rows}>{}, by {}", escape(&name), digits(own.gain, 4));
+        let found = escape(&format!("{name}, by {}", digits(own.gain, 4)));
         if own.rivals.is_empty() {
-            page.push_str("<td colspan=4>no other name comes near</tr>\n");
+            let _ = writeln!(page, "<tr><td>{found}<td colspan=4>no other name comes near</tr>");
         }
-        for (k, rival) in own.rivals.iter().enumerate() {
-            let start = if k > 0 { "<tr>" } else { "" };
+        for rival in &own.rivals {
             let _ = writeln!(
                 page,
-                "{start}<td>{}<td class=n>{}<td class=n>{}<td>{}</tr>",
+                "<tr><td>{found}<td data-h=rival>{}<td class=n data-h=\"improves the fit by\">{}\
+                 <td class=n data-h=probability>{}<td data-h=\"why it lost\">{}</tr>",
                 escape(&effect(&rival.kind, &rival.location)),
                 digits(rival.gain, 4),
                 per_cent(rival.confidence),
@@ -80,7 +78,7 @@ pub(super) fn tried(page: &mut String, findings: &Findings) {
     }
     let _ = writeln!(
         page,
-        "<details><summary>All {} hypotheses that were tried, by round</summary><p class=note>Promise: by how much \
+        "<details><summary>What was tried, by round: {} hypotheses</summary><p class=note>Promise: by how much \
          the linear step would improve the fit (2 Δ log-likelihood). Refitted: by how much the full refit did, \
          where there was one.</p>",
         rows.len()
