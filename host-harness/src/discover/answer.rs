@@ -235,6 +235,7 @@ pub fn discover_without(
     Ok(Findings {
         verdict,
         nominal: nominal.clone(),
+        refitted: before.model.clone(),
         improved: after.model.clone(),
         time_s: record.time_s.clone(),
         held_out,
@@ -242,8 +243,9 @@ pub fn discover_without(
         after: shown(&record, &innovations_after),
         push: disagreement.push,
         shape: disagreement.shape,
-        along_effects: disagreement.along_effects,
-        orders: orders.iter().map(|order| [*order, f64::NAN, f64::NAN]).collect(),
+        courses: disagreement.courses,
+        angles: disagreement.angles,
+        orders,
         parameters: parameter_rows(nominal, before, after, &covariance),
         scores: found.scores.clone(),
         noises: noise_rows(&found, &record),
@@ -444,13 +446,10 @@ fn parameter_rows(
         .iter()
         .enumerate()
         .filter_map(|(k, coordinate)| match coordinate {
-            Coordinate::Parameter(quantity) => Some(ParameterRow {
-                key: quantity.key(),
-                nominal: quantity.get(nominal),
-                refitted: quantity.get(&before.model),
-                improved: quantity.get(&after.model),
-                relative_sigma: covariance[(k, k)].sqrt(),
-            }),
+            Coordinate::Parameter(quantity) => {
+                let models = [nominal, &before.model, &after.model];
+                Some(ParameterRow::new(models, *quantity, covariance[(k, k)].sqrt()))
+            }
             _ => None,
         })
         .collect()

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use joint_core::effect::Kind;
 use serde::Serialize;
 
 use super::evidence::{Budget, FreeRun};
 use super::experiment::Experiment;
 use super::gate::Remainder;
+use crate::estimate::parameters::Quantity;
 use crate::estimate::record::CHANNELS;
 use crate::model::Model;
 
@@ -146,9 +146,20 @@ pub struct Push {
     pub after: Vec<f64>,
 }
 
+/// Angles by sample, as a filter has them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Angles {
+    /// Of the rotor, rad.
+    pub motor_rad: Vec<f64>,
+    /// Wind-up of the last stage at its output, rad.
+    pub windup_rad: Vec<f64>,
+}
+
 /// The push against the coordinate that it follows: means by bin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
+    /// Share of the push's variance that the coordinate explains, before.
+    pub explained: f64,
     /// The coordinate, with its unit.
     pub coordinate: String,
     /// Centre of each bin.
@@ -172,6 +183,25 @@ pub struct ParameterRow {
     pub improved: f64,
     /// One sigma in the improved model, relative.
     pub relative_sigma: f64,
+    /// Interval of 95 % in the improved model.
+    pub interval: [f64; 2],
+    /// Whether the logs tell it; if not, it is assumed.
+    pub determined: bool,
+}
+
+impl ParameterRow {
+    /// Of a quantity with one sigma in the coordinate of its prior.
+    pub fn new([nominal, refitted, improved]: [&Model; 3], quantity: Quantity, sigma: f64) -> Self {
+        Self {
+            key: quantity.key(),
+            nominal: quantity.get(nominal),
+            refitted: quantity.get(refitted),
+            improved: quantity.get(improved),
+            relative_sigma: sigma,
+            interval: quantity.interval(improved, sigma),
+            determined: quantity.is_determined(sigma),
+        }
+    }
 }
 
 /// How a hypothesis did.
@@ -209,6 +239,8 @@ pub struct Findings {
     pub verdict: Verdict,
     /// The model as given.
     pub nominal: Model,
+    /// The nominal structure, refitted.
+    pub refitted: Model,
     /// The improved model: refitted, with the effects.
     pub improved: Model,
     /// Sample times of the first log, s.
@@ -224,10 +256,13 @@ pub struct Findings {
     pub push: Push,
     /// What the push follows.
     pub shape: Shape,
-    /// The push against what the effects found vary with, where that is something else.
-    pub along_effects: Vec<(Kind, Shape)>,
-    /// Amplitude of the push by order of the motor angle: order, before, after.
-    pub orders: Vec<[f64; 3]>,
+    /// The push against everything that it might follow.
+    pub courses: Vec<Shape>,
+    /// Angle of the rotor and wind-up of the last stage by sample, as the filter of the push has them; empty
+    /// where there is none.
+    pub angles: Angles,
+    /// Orders of the rotor angle that were named, or that explained something.
+    pub orders: Vec<f64>,
     /// Parameters.
     pub parameters: Vec<ParameterRow>,
     /// Hypotheses.

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::evidence::FreeRun;
-use super::findings::{Answer, Findings, Gap, Push, Shape, Verdict, Whereabouts};
+use super::findings::{Angles, Answer, Findings, Gap, Push, Shape, Verdict, Whereabouts};
 use super::gate::Remainder;
 use super::next_experiment::advice;
 use crate::estimate::record::{CHANNELS, Record};
@@ -39,6 +39,7 @@ pub(super) fn undecided(
             reasons: lacking,
         },
         nominal: nominal.clone(),
+        refitted: nominal.clone(),
         improved: nominal.clone(),
         time_s: record.time_s.clone(),
         held_out: vec![false; record.len()],
@@ -50,7 +51,8 @@ pub(super) fn undecided(
             ..Push::default()
         },
         shape: Shape::default(),
-        along_effects: Vec::new(),
+        courses: Vec::new(),
+        angles: Angles::default(),
         orders: Vec::new(),
         parameters: Vec::new(),
         scores: Vec::new(),

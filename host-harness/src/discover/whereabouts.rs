@@ -9,8 +9,7 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::candidates::card;
-use super::findings::{Push, Shape, Whereabouts};
+use super::findings::{Angles, Push, Shape, Whereabouts};
 use super::search::Stage;
 use crate::estimate::filter::{Equation, Linearisation, Noise, Observer, Run, Walk};
 use crate::estimate::fit::{Fit, Problem};
@@ -18,7 +17,6 @@ use crate::estimate::record::Channel;
 use crate::estimate::refit::cost;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, output_shaft, plant};
-use joint_core::effect::Kind;
 use joint_core::joint::Drive;
 
 /// How fast pushes wander: share of their scale per root second.
@@ -32,6 +30,8 @@ const SHOWN: f64 = 6.0;
 
 /// The rotor's angle within a turn.
 const TURN: &str = "motor_angle_rad (one turn)";
+/// Wind-up of the last stage.
+const WINDUP: &str = "output_windup_rad";
 
 /// The disagreement of one model with a record.
 #[derive(Default)]
@@ -44,8 +44,10 @@ pub struct Disagreement {
     pub push: Push,
     /// The push against what it follows.
     pub shape: Shape,
-    /// The push against what the effects vary with that were added, where that is something else.
-    pub along_effects: Vec<(Kind, Shape)>,
+    /// The push against everything that it might follow.
+    pub courses: Vec<Shape>,
+    /// The joint's angles beside it.
+    pub angles: Angles,
 }
 
 /// Looks for where a model disagrees with a record, and how a better one does there; `along_lines`
@@ -73,22 +75,21 @@ pub fn locate(
     let series_after = push_along(problem, after, noise, walk)?;
     let (equation, unit) = title(walk.equation, problem.record.drive, before.stages.len());
     let coordinates = coordinates(problem, before, &run);
-    let mut best: Option<(f64, &str, Shape)> = None;
-    for (name, values) in &coordinates {
-        let Some((explained, shape)) = binned(name, values, &series, &series_after) else {
-            continue;
-        };
-        if best.as_ref().is_none_or(|(most, ..)| explained > *most) {
-            best = Some((explained, name, shape));
-        }
-    }
+    let courses: Vec<Shape> = coordinates
+        .iter()
+        .filter_map(|(name, values)| binned(name, values, &series, &series_after))
+        .collect();
+    let best = courses.iter().fold(None, |best: Option<&Shape>, own| match best {
+        Some(most) if own.explained <= most.explained => best,
+        _ => Some(own),
+    });
     let lines = explained_by_lines(problem, &series, orders);
     let (explained, varies_with, shape) = match best {
-        Some((share, name, shape)) if !along_lines => (share, name.to_owned(), shape),
-        Some((_, _, shape)) => {
+        Some(own) if !along_lines => (own.explained, own.coordinate.clone(), own.clone()),
+        Some(own) => {
             let (name, values) = folded(&run, orders);
-            let own = binned(&name, &values, &series, &series_after);
-            (lines, "motor_angle_rad".to_owned(), own.map_or(shape, |(_, shape)| shape))
+            let folded = binned(&name, &values, &series, &series_after);
+            (lines, "motor_angle_rad".to_owned(), folded.unwrap_or_else(|| own.clone()))
         }
         None => (0.0, String::new(), Shape::default()),
     };
@@ -98,20 +99,14 @@ pub fn locate(
         orders: orders.to_vec(),
         explained,
     };
-    let mut along_effects: Vec<(Kind, Shape)> = Vec::new();
-    for effect in after.effects.iter().skip(before.effects.len()) {
-        let column = card(effect.kind).axis.column(before.stages.len());
-        let own = coordinates.iter().find(|(name, _)| column_of(name) == column);
-        let new = column != whereabouts.varies_with
-            && along_effects.iter().all(|(_, shape)| column_of(&shape.coordinate) != column);
-        if let Some((name, values)) = own.filter(|_| new)
-            && let Some((_, shape)) = binned(name, values, &series, &series_after)
-        {
-            along_effects.push((effect.kind, shape));
-        }
-    }
+    let layout = Layout::of(before);
+    let windup = coordinates.iter().find(|(name, _)| *name == WINDUP);
+    let angles = Angles {
+        motor_rad: run.states.iter().map(|x| x[Layout::ANGLE]).collect(),
+        windup_rad: windup.filter(|_| layout.stages > 0).map_or(Vec::new(), |(_, own)| own.clone()),
+    };
     let push = Push { equation, unit, before: series, after: series_after };
-    Ok(Disagreement { walk: Some(walk), whereabouts, push, shape, along_effects })
+    Ok(Disagreement { walk: Some(walk), whereabouts, push, shape, courses, angles })
 }
 
 /// The column that a coordinate is of.
@@ -266,7 +261,7 @@ pub(super) fn coordinates(
         all.push(("output_angle_rad", series(&|_, x| output(x))));
         all.push(("output_speed_rad_per_s", series(&|_, x| x[last] * shaft)));
         let windup = layout.deflection(layout.stages - 1);
-        all.push(("output_windup_rad", series(&|_, x| x[windup] * shaft)));
+        all.push((WINDUP, series(&|_, x| x[windup] * shaft)));
     }
     all
 }
@@ -285,8 +280,8 @@ fn folded(run: &Run, orders: &[f64]) -> (String, Vec<f64>) {
     }
 }
 
-/// Means of a series by bins of a coordinate, and the share of its variance that they explain.
-fn binned(name: &str, coordinate: &[f64], series: &[f64], after: &[f64]) -> Option<(f64, Shape)> {
+/// Means of a series by bins of a coordinate, with the share of its variance that they explain.
+fn binned(name: &str, coordinate: &[f64], series: &[f64], after: &[f64]) -> Option<Shape> {
     let finite = coordinate.iter().copied().filter(|c| c.is_finite());
     let (low, high) =
         finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
@@ -309,7 +304,8 @@ fn binned(name: &str, coordinate: &[f64], series: &[f64], after: &[f64]) -> Opti
         .sum();
     let filled = |k: &usize| count[*k] > 0.0;
     let per = |sums: [f64; BINS]| (0..BINS).filter(filled).map(|k| sums[k] / count[k]).collect();
-    let shape = Shape {
+    Some(Shape {
+        explained: if variance > 0.0 { between / variance } else { 0.0 },
         coordinate: name.to_owned(),
         centres: (0..BINS)
             .filter(filled)
@@ -317,8 +313,7 @@ fn binned(name: &str, coordinate: &[f64], series: &[f64], after: &[f64]) -> Opti
             .collect(),
         before: per(sum),
         after: per(sum_after),
-    };
-    Some((if variance > 0.0 { between / variance } else { 0.0 }, shape))
+    })
 }
 
 /// Share of a push that sines at these orders of the motor angle explain.
@@ -352,7 +347,7 @@ mod tests {
         let states = angles.iter().map(|angle| vec![0.0, *angle, 0.0, 0.0]).collect();
         let run = Run { innovations: Vec::new(), states };
         let (name, values) = folded(&run, &[order]);
-        binned(&name, &values, &push, &push).unwrap().1
+        binned(&name, &values, &push, &push).unwrap()
     }
 
     #[test]

@@ -9,6 +9,11 @@ use joint_core::params::Friction;
 
 use crate::model::Model;
 
+/// A parameter whose uncertainty shrank to no less than this share of its prior is not determined by a log.
+const DETERMINED: f64 = 0.7;
+/// Standard deviations on either side of the mean that hold 95 % of a normal distribution.
+const NORMAL_95: f64 = 1.96;
+
 /// One number of a model that a refit moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Quantity {
@@ -126,6 +131,26 @@ impl Quantity {
             | Quantity::LoadInertia => DATASHEET,
             _ => GUESSED,
         }
+    }
+
+    /// Whether a log has told it: the uncertainty in the coordinate of the prior has shrunk by at least
+    /// three tenths.
+    pub fn is_determined(self, sigma: f64) -> bool {
+        sigma < DETERMINED * self.prior_sigma()
+    }
+
+    /// One sigma in its unit, from one in the coordinate of the prior.
+    pub fn sigma_of(self, model: &Model, sigma: f64) -> f64 {
+        if self.is_relative() { sigma * self.get(model).abs() } else { sigma }
+    }
+
+    /// Its interval of 95 % in its unit, from one sigma in the coordinate of the prior.
+    pub fn interval(self, model: &Model, sigma: f64) -> [f64; 2] {
+        let value = self.get(model);
+        [-NORMAL_95 * sigma, NORMAL_95 * sigma].map(|step| match self.is_relative() {
+            true => value * step.exp(),
+            false => value + step,
+        })
     }
 
     /// Its place in the model file.

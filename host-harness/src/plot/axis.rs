@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::text::digits;
+use super::text::{PREFIXES, digits};
 
 /// How values run along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,9 +54,7 @@ impl<'a> Axis<'a> {
 }
 
 /// Units that take a prefix.
-const PREFIXED: [&str; 8] = ["s", "A", "V", "Nm", "W", "J", "rad", "rad/s"];
-const PREFIXES: [(&str, f64); 7] =
-    [("n", 1e-9), ("µ", 1e-6), ("m", 1e-3), ("", 1.0), ("k", 1e3), ("M", 1e6), ("G", 1e9)];
+const PREFIXED: [&str; 9] = ["s", "A", "V", "Nm", "Nm at the motor", "W", "J", "rad", "rad/s"];
 
 /// The prefix for values up to this one. None from a tenth to ten thousand.
 fn prefix(unit: &str, largest: f64) -> (&'static str, f64) {
@@ -94,6 +92,11 @@ impl Ruler {
         let label = format!("{}{unit}{prefix}{}", axis.quantity, axis.unit);
         let ticks = axis.ticks.iter().map(|(at, text)| (scaled(*at), text.clone())).collect();
         Self { low, high, scale: axis.scale, label, per_unit: 1.0 / factor, ticks }
+    }
+
+    /// How much of what is written beside it one plain unit is.
+    pub(super) fn per_unit(&self) -> f64 {
+        self.per_unit
     }
 
     /// Where a value stands, 0 at the lower end and 1 at the upper; not finite where it has no place.

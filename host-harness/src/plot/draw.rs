@@ -6,21 +6,20 @@
 use std::fmt::Write;
 
 use super::axis::{Ruler, Scale};
+use super::pen::Pen;
 use super::text::escape;
-use super::thin::{range, thinned};
+use super::thin::range;
 use super::{Mark, Plot, Series};
 
-/// Room right of the field, above it for the title, and below it.
+/// Room right of the field, above it for the title or where the page has that, and below it.
 const RIGHT: f64 = 14.0;
 const TITLE: f64 = 22.0;
+const ABOVE: f64 = 8.0;
 const BELOW: f64 = 36.0;
 /// Room left of the field at least, so that fields stand in line.
 const LEFT: f64 = 64.0;
 /// Width of a letter, about.
 const LETTER: f64 = 6.4;
-
-/// A point of a series: across and up from the lower left corner as shares of the field.
-type Point = [f64; 2];
 
 impl Plot<'_> {
     /// Width and height of the drawing, pixels.
@@ -29,36 +28,69 @@ impl Plot<'_> {
         [self.left() + width + RIGHT, self.top() + height + BELOW]
     }
 
-    /// As inline SVG; nothing where there is nothing to draw.
+    /// On a page: its title, legend and readout as text that wraps, and under them the drawing. Nothing where
+    /// there is nothing to draw.
     pub fn svg(&self) -> String {
-        self.at(0.0)
+        let Some([x, y]) = self.rulers() else { return String::new() };
+        let title = escape(&self.title);
+        let mut figure = format!("<figure class=\"panel\"><figcaption><b>{title}</b>");
+        if self.legend {
+            figure.push_str(&self.keys());
+        }
+        if self.zoom {
+            figure.push_str(
+                "<button type=\"button\" class=\"reset\" hidden>whole range</button>\
+                 <span class=\"hover\"></span>",
+            );
+        }
+        figure.push_str("</figcaption>");
+        self.drawn(&mut figure, [&x, &y], [0.0, ABOVE]);
+        figure.push_str("</figure>\n");
+        figure
     }
 
-    /// The same so far down in another drawing.
+    /// So far down in another drawing, with title and legend.
     pub(super) fn at(&self, down: f64) -> String {
         let Some([x, y]) = self.rulers() else { return String::new() };
-        let ([width, height], [outer_width, outer_height]) = (self.size, self.outer());
-        let (left, top) = (self.left(), self.top());
+        let mut svg = String::new();
+        self.drawn(&mut svg, [&x, &y], [down, self.top()]);
+        svg
+    }
+
+    /// The drawing: so far down in another one, with so much room above the field.
+    fn drawn(&self, svg: &mut String, [x, y]: [&Ruler; 2], [down, top]: [f64; 2]) {
+        let ([width, height], left) = (self.size, self.left());
+        let [outer_width, outer_height] = [left + width + RIGHT, top + height + BELOW];
         let title = escape(&self.title);
         let zoom = if self.zoom { " zoom" } else { "" };
         let log = |ruler: &Ruler| u8::from(ruler.scale == Scale::Log);
-        let mut svg = format!(
+        let _ = write!(
+            svg,
             "<svg class=\"plot{zoom}\" y=\"{down}\" width=\"{outer_width}\" \
              height=\"{outer_height}\" viewBox=\"0 0 {outer_width} {outer_height}\" role=\"img\" \
              aria-label=\"{title}\" data-x0=\"{:e}\" data-x1=\"{:e}\" data-xlog=\"{}\" \
-             data-y0=\"{:e}\" data-y1=\"{:e}\" data-ylog=\"{}\">\
-             <text x=\"{left}\" y=\"14\" class=\"title\">{title}</text><g class=\"ticks\">",
+             data-y0=\"{:e}\" data-y1=\"{:e}\" data-ylog=\"{}\" data-link=\"{}\" data-unit=\"{:e}\" \
+             data-marked=\"{}{}\">",
             x.low,
             x.high,
-            log(&x),
+            log(x),
             y.low,
             y.high,
-            log(&y),
+            log(y),
+            escape(self.link),
+            x.per_unit(),
+            if self.x.ticks.is_empty() { "" } else { "x" },
+            if self.y.ticks.is_empty() { "" } else { "y" },
         );
-        self.ticks(&mut svg, &x, &y);
+        if top > ABOVE {
+            let _ = write!(svg, "<text x=\"{left}\" y=\"14\" class=\"title\">{title}</text>");
+            self.explain(svg);
+        }
+        svg.push_str("<g class=\"ticks\">");
+        self.ticks(svg, [x, y], top);
         let _ = write!(
             svg,
-            "</g><text x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text>\
+            "</g><text class=\"across\" x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text>\
              <text transform=\"translate(12 {:.0}) rotate(-90)\" text-anchor=\"middle\">{}</text>\
              <svg class=\"field\" x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" preserveAspectRatio=\"none\">",
@@ -80,22 +112,34 @@ impl Plot<'_> {
         for (k, series) in self.series.iter().enumerate() {
             let beside = if k == 0 { -2.0 } else { 2.0 };
             let _ = write!(svg, "<g class=\"{}\">", series.ink.class());
-            Pen { svg: &mut svg, size: self.size, series }.draw(&x, &y, beside);
+            Pen { svg: &mut *svg, size: self.size, series }.draw(x, y, beside);
             svg.push_str("</g>");
         }
-        let _ = write!(
-            svg,
-            "</svg><rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{width}\" \
-             height=\"{height}\"/>",
-        );
-        self.explain(&mut svg);
         let _ = writeln!(
             svg,
-            "<text class=\"hover\" x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"end\"></text></svg>",
-            left + width,
-            top - 8.0
+            "</svg><rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{width}\" \
+             height=\"{height}\"/></svg>",
         );
-        svg
+    }
+
+    /// The legend of a page.
+    fn keys(&self) -> String {
+        let mut text = String::from("<span class=\"names\">");
+        for (series, _) in self.names() {
+            let sign = match series.mark {
+                Mark::Band => "band",
+                Mark::Rings => "broken",
+                Mark::Points | Mark::Dots => "round",
+                Mark::Bars => "block",
+                Mark::Broad => "broad",
+                _ => "level",
+            };
+            let class = series.ink.class();
+            let name = escape(&series.name);
+            let _ = write!(text, "<span><i class=\"key {sign} {class}\"></i>{name}</span> ");
+        }
+        text.push_str("</span>");
+        text
     }
 
     /// The axes over what is seen of the data.
@@ -118,7 +162,8 @@ impl Plot<'_> {
         let [low, high] = range(pairs().map(|(_, y)| *y))?;
         let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
         let y = if bars { [low.min(0.0), high.max(0.0)] } else { [low, high] };
-        let lines = self.series.iter().all(|s| matches!(s.mark, Mark::Line | Mark::Band));
+        let lines =
+            self.series.iter().all(|s| matches!(s.mark, Mark::Line | Mark::Broad | Mark::Band));
         let margin = if lines { 0.0 } else { 0.03 };
         Some([Ruler::new(&self.x, x, margin), Ruler::new(&self.y, y, 0.05)])
     }
@@ -175,15 +220,16 @@ impl Plot<'_> {
         svg.push_str("</g>");
     }
 
-    fn ticks(&self, svg: &mut String, x: &Ruler, y: &Ruler) {
-        let ([width, height], left, top) = (self.size, self.left(), self.top());
+    fn ticks(&self, svg: &mut String, [x, y]: [&Ruler; 2], top: f64) {
+        let ([width, height], left) = (self.size, self.left());
         let (right, bottom) = (left + width, top + height);
-        for (place, label) in x.ticks((width / 95.0).max(3.0)) {
-            let at = left + place * width;
+        for (place, label) in x.ticks((width / 80.0).max(4.0)) {
+            let (at, share) = (left + place * width, (1e4 * place).round() / 1e4);
             let _ = write!(
                 svg,
-                "<path d=\"M{at:.1} {top}V{bottom}\" class=\"grid\"/><text x=\"{at:.1}\" \
-                 y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                "<path d=\"M{at:.1} {top}V{bottom}\" class=\"grid\" data-of=\"x\" data-at=\"{share}\"/>\
+                 <text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\" data-of=\"x\" \
+                 data-at=\"{share}\">{}</text>",
                 bottom + 14.0,
                 escape(&label)
             );
@@ -192,137 +238,12 @@ impl Plot<'_> {
             let at = bottom - place * height;
             let _ = write!(
                 svg,
-                "<path d=\"M{left} {at:.1}H{right}\" class=\"grid\"/><text x=\"{:.1}\" \
-                 y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                "<path d=\"M{left} {at:.1}H{right}\" class=\"grid\" data-of=\"y\"/><text x=\"{:.1}\" \
+                 y=\"{:.1}\" text-anchor=\"end\" data-of=\"y\">{}</text>",
                 left - 5.0,
                 at + 3.5,
                 escape(&label)
             );
-        }
-    }
-}
-
-/// Draws one series.
-struct Pen<'p, 's> {
-    svg: &'p mut String,
-    size: [f64; 2],
-    series: &'p Series<'s>,
-}
-
-impl Pen<'_, '_> {
-    fn draw(&mut self, x: &Ruler, y: &Ruler, beside: f64) {
-        let series = self.series;
-        let across: Vec<f64> = series.x.iter().map(|value| x.place(*value)).collect();
-        // What lies outside an axis that says its range is cut off here, not thinned with the rest.
-        let across: Vec<f64> = across
-            .into_iter()
-            .map(|at| if (-1e-9..=1.0 + 1e-9).contains(&at) { at } else { f64::NAN })
-            .collect();
-        let up: Vec<f64> = series.y.iter().map(|value| y.place(*value)).collect();
-        let points = || across.iter().zip(&up).map(|(a, b)| [*a, *b]);
-        let finite = |p: &Point| p.iter().all(|value| value.is_finite());
-        let inside = |p: &Point| p.iter().all(|value| (-1e-9..=1.0 + 1e-9).contains(value));
-        let runs = || thinned(&across, &up);
-        match series.mark {
-            Mark::Line => {
-                let runs = runs();
-                self.line("line", &runs);
-                let lone = runs.iter().filter(|run| run.len() == 1).flatten().copied();
-                self.dots("dot", lone.collect::<Vec<_>>());
-            }
-            Mark::Dots | Mark::Rings => {
-                let ring = series.mark == Mark::Rings;
-                self.line(if ring { "line dashed" } else { "line" }, &runs());
-                self.dots("dot", points().filter(finite).collect::<Vec<_>>());
-                if ring {
-                    self.dots("dot hole", points().filter(finite).collect::<Vec<_>>());
-                }
-            }
-            Mark::Points => self.dots("dot large", points().filter(finite).collect::<Vec<_>>()),
-            Mark::Bars => {
-                let ground = y.place(0.0);
-                let bars = points().filter(finite).map(|[a, b]| {
-                    let shifted = a + beside / self.size[0];
-                    vec![[shifted, ground], [shifted, b]]
-                });
-                self.line("line stem", &bars.collect::<Vec<_>>());
-            }
-            Mark::Levels | Mark::Uprights => {
-                let [a, b] = self.size.map(|length| 1.0 / length);
-                let side =
-                    if series.mark == Mark::Levels { [16.0 * a, 0.0] } else { [0.0, 10.0 * b] };
-                let marks = points().filter(finite);
-                let marks = marks
-                    .map(|[a, b]| vec![[a - side[0], b - side[1]], [a + side[0], b + side[1]]]);
-                self.line("thick", &marks.collect::<Vec<_>>());
-            }
-            Mark::Links => {
-                let links = points().collect::<Vec<_>>();
-                let links = links.chunks_exact(2).filter(|pair| pair.iter().all(finite));
-                self.line("dotted", &links.map(<[Point]>::to_vec).collect::<Vec<_>>());
-            }
-            Mark::Band => {
-                let high: Vec<f64> = series.high.iter().map(|value| y.place(*value)).collect();
-                let (low, high) = (runs(), thinned(&across, &high));
-                for (low, high) in low.into_iter().zip(high) {
-                    let around = [low, high.into_iter().rev().collect()].concat();
-                    self.line("area", &[around]);
-                }
-            }
-        }
-        for ([a, b], label) in points().zip(&series.labels).filter(|(p, _)| inside(p)) {
-            let [a, b] = self.pixels([a, b]);
-            let _ = write!(
-                self.svg,
-                "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                a + 6.0,
-                b - 6.0,
-                escape(label)
-            );
-        }
-    }
-
-    fn pixels(&self, [across, up]: Point) -> Point {
-        let [width, height] = self.size;
-        // Far outside is as good as further.
-        [across * width, height - up.clamp(-9.0, 10.0) * height]
-    }
-
-    fn line(&mut self, class: &str, runs: &[Vec<Point>]) {
-        let mut path = String::new();
-        for (n, point) in runs.iter().flat_map(|run| run.iter().enumerate()) {
-            let [across, up] = self.pixels(*point);
-            let _ = write!(path, "{}{across:.2} {up:.2}", if n == 0 { 'M' } else { 'L' });
-        }
-        if !path.is_empty() {
-            let name = escape(&self.series.name);
-            let _ = write!(self.svg, "<path class=\"{class}\" data-name=\"{name}\" d=\"{path}\"/>");
-        }
-    }
-
-    /// Dots as lines without length, which keep their shape in a drawing that is stretched.
-    fn dots(&mut self, class: &str, points: Vec<Point>) {
-        if points.is_empty() {
-            return;
-        }
-        let mut path = String::new();
-        let mut notes = self.series.notes.iter();
-        for point in points {
-            let [across, up] = self.pixels(point);
-            let dot = format!("M{across:.2} {up:.2}h0");
-            match notes.next() {
-                Some(note) => {
-                    let note = escape(note);
-                    let _ = write!(
-                        self.svg,
-                        "<path class=\"{class}\" d=\"{dot}\"><title>{note}</title></path>"
-                    );
-                }
-                None => path.push_str(&dot),
-            }
-        }
-        if !path.is_empty() {
-            let _ = write!(self.svg, "<path class=\"{class}\" d=\"{path}\"/>");
         }
     }
 }

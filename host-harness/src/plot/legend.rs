@@ -48,6 +48,8 @@ impl Ink {
             Ink::After => "after".to_owned(),
             Ink::Text => "ink".to_owned(),
             Ink::Soft => "soft".to_owned(),
+            Ink::Faint => "faint".to_owned(),
+            Ink::Wrong => "wrong".to_owned(),
             Ink::Nth(n) => format!("nth{}", n % 8),
         }
     }

@@ -9,6 +9,8 @@ mod axis;
 mod draw;
 mod legend;
 mod page;
+mod pen;
+mod stack;
 #[cfg(test)]
 mod tests;
 pub mod text;
@@ -17,6 +19,7 @@ mod thin;
 pub use axis::{Axis, Scale};
 pub use legend::{Legend, legend};
 pub use page::{page, picture};
+pub use stack::{Part, stack};
 pub use thin::bands;
 
 use std::borrow::Cow;
@@ -32,6 +35,10 @@ pub enum Ink {
     Text,
     /// What stands back.
     Soft,
+    /// What stands back further: noise.
+    Faint,
+    /// What is not explained, or breaks a bound.
+    Wrong,
     /// One of many, told apart by number.
     Nth(usize),
 }
@@ -41,6 +48,8 @@ pub enum Ink {
 pub enum Mark {
     /// A line through the points, thinned to what a screen shows.
     Line,
+    /// A broad line, under which others may lie.
+    Broad,
     /// A line with a dot at each point.
     Dots,
     /// A dashed line with a ring at each point.
@@ -131,19 +140,28 @@ pub struct Plot<'a> {
     pub legend: bool,
     /// Whether it can be zoomed, on a page.
     pub zoom: bool,
+    /// Plots of a page with the same name here show the same range across; empty for one alone.
+    pub link: &'a str,
 }
 
 impl<'a> Plot<'a> {
     /// A panel as wide as a page, without a legend.
     pub fn new(title: impl Into<Cow<'a, str>>, x: Axis<'a>, y: Axis<'a>) -> Self {
         let (bands, series) = (Vec::new(), Vec::new());
-        Self { title: title.into(), x, y, size: WIDE, bands, series, legend: false, zoom: true }
+        let (title, size) = (title.into(), WIDE);
+        Self { title, x, y, size, bands, series, legend: false, zoom: true, link: "" }
     }
 
     /// The same of this width and height.
     #[must_use]
     pub fn sized(self, width: f64, height: f64) -> Self {
         Self { size: [width, height], ..self }
+    }
+
+    /// The same, zoomed together with all others of this name.
+    #[must_use]
+    pub fn linked(self, link: &'a str) -> Self {
+        Self { link, ..self }
     }
 
     /// The same with a legend.

@@ -39,7 +39,7 @@ fn what_is_not_above_zero_has_no_place_on_a_logarithmic_axis() {
 
 #[test]
 fn every_mark_draws_each_of_its_points() {
-    let (x, y) = (vec![0.0, 1.0, 2.0, 3.0], vec![1.0, 2.0, 3.0, 2.0]);
+    let (x, y) = (vec![0.0, 1.0, 2.0, 3.0], vec![1.0, 2.0, 4.0, 2.0]);
     for (mark, sign, count) in [
         (Mark::Line, "L", 3),
         (Mark::Dots, "h0", 4),

@@ -1,104 +1,279 @@
 'use strict';
-for (const plot of document.querySelectorAll('svg.zoom')) {
-  const field = plot.querySelector('.field'), ticks = plot.querySelector('.ticks');
-  const hover = plot.querySelector('.hover'), names = plot.querySelector('.names');
-  const data = plot.dataset, log = {x: +data.xlog, y: +data.ylog};
-  const full = {x: [+data.x0, +data.x1], y: [+data.y0, +data.y1]};
-  const left = +field.getAttribute('x'), top = +field.getAttribute('y');
-  const width = +field.getAttribute('width'), height = +field.getAttribute('height');
+// Fits every plot to the width there is, and zooms: drag or pinch across a plot, double-click or double-tap
+// for all of it. Plots with the same link show the same range.
+(() => {
+  const all = [];
   const make = (name, attributes, parent) => {
     const node = document.createElementNS('http://www.w3.org/2000/svg', name);
     for (const key in attributes) node.setAttribute(key, attributes[key]);
     return parent.appendChild(node);
   };
-  // In the field's own pixels, as drawn.
-  const lines = [...field.querySelectorAll('.line')].map(path => {
-    const stem = path.classList.contains('stem');
-    let points = path.getAttribute('d').split(/[ML]/).slice(1).map(p => p.split(' ').map(Number));
-    if (stem) points = points.filter((_, k) => k % 2);
-    return {name: path.dataset.name, points};
-  }).filter(line => line.name);
-  let seen = [0, width, 0, height], from = null;
-  const value = {
-    x: p => full.x[0] + p / width * (full.x[1] - full.x[0]),
-    y: p => full.y[1] - p / height * (full.y[1] - full.y[0]),
-  };
-  // Of a logarithmic axis the numbers are powers of ten.
-  const shown = (axis, v, digits) => (log[axis] ? 10 ** v : v).toPrecision(digits);
-  const decades = (low, high) => {
-    const all = [], within = high - low > 3.5 ? [1] : [1, 2, 5];
-    for (let power = Math.floor(low); power <= high; power++) {
-      for (const factor of within) {
-        const at = power + Math.log10(factor), label = String(+(factor * 10 ** power).toPrecision(1));
-        if (at >= low && at <= high) all.push([at, label]);
-      }
-    }
-    if (all.length > 1) return all;
-    return round(10 ** low, 10 ** high, 3).map(([v, label]) => [Math.log10(v), label]);
-  };
   const round = (low, high, about) => {
-    const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw));
-    const step = power * [1, 2, 5, 10].find(f => f * power >= 0.999 * raw), all = [];
-    for (let k = Math.ceil(low / step); k * step <= high && all.length < 40; k++) all.push(k * step);
+    const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw)), values = [];
+    const step = power * [1, 2, 5, 10].find(f => f * power >= 0.999 * raw);
+    for (let k = Math.ceil(low / step); k * step <= high && values.length < 40; k++) values.push(k * step);
     const most = Math.max(Math.abs(low), Math.abs(high));
-    const places = Math.min(20, Math.max(0, -Math.floor(Math.log10(step))));
-    return all.map(v => [v, v === 0 ? '0' : most < 1e-3 || most >= 1e6
+    const places = Math.min(20, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+    return values.map(v => [v, Math.abs(v) < 1e-9 * step ? '0' : most < 1e-3 || most >= 1e6
       ? v.toExponential(2) : v.toFixed(places)]);
   };
-  const show = () => {
-    const [x, w, y, h] = seen;
-    field.setAttribute('viewBox', `${x} ${y} ${w} ${h}`);
-    ticks.replaceChildren();
-    const low = value.x(x), high = value.x(x + w), under = value.y(y + h), over = value.y(y);
-    for (const [v, label] of log.x ? decades(low, high) : round(low, high, Math.max(3, width / 95))) {
-      const at = left + (v - low) / (high - low) * width;
-      make('path', {d: `M${at} ${top}V${top + height}`, class: 'grid'}, ticks);
-      make('text', {x: at, y: top + height + 14, 'text-anchor': 'middle'}, ticks).textContent = label;
+  const decades = (low, high) => {
+    const values = [], within = high - low > 3.5 ? [1] : [1, 2, 5];
+    for (let power = Math.floor(low); power <= high; power++) {
+      for (const factor of within) {
+        const at = power + Math.log10(factor);
+        if (at >= low && at <= high) values.push([at, String(+(factor * 10 ** power).toPrecision(1))]);
+      }
     }
-    for (const [v, label] of log.y ? decades(under, over) : round(under, over, Math.max(3, height / 28))) {
-      const at = top + (over - v) / (over - under) * height;
-      make('path', {d: `M${left} ${at}H${left + width}`, class: 'grid'}, ticks);
-      make('text', {x: left - 5, y: at + 3.5, 'text-anchor': 'end'}, ticks).textContent = label;
-    }
+    if (values.length > 1) return values;
+    return round(10 ** low, 10 ** high, 3).map(([v, label]) => [Math.log10(v), label]);
   };
-  const across = event => {
-    const matrix = plot.getScreenCTM();
-    const p = (event.clientX - matrix.e) / matrix.a - left;
-    return seen[0] + Math.min(Math.max(p, 0), width) / width * seen[1];
-  };
-  const pointer = make('path', {class: 'pointer'}, field);
-  const chosen = make('rect', {class: 'chosen', y: -9999, height: 19998, width: 0}, field);
-  plot.addEventListener('mousedown', event => { from = across(event); event.preventDefault(); });
-  plot.addEventListener('mousemove', event => {
-    const x = across(event);
-    if (from !== null) {
-      chosen.setAttribute('x', Math.min(x, from));
-      chosen.setAttribute('width', Math.abs(x - from));
-    }
-    pointer.setAttribute('d', `M${x} -9999V9999`);
-    const near = lines.map(line => {
-      let best = null;
-      for (const p of line.points) if (!best || Math.abs(p[0] - x) < Math.abs(best[0] - x)) best = p;
-      return best ? `${line.name} ${shown('y', value.y(best[1]), 4)}` : '';
+
+  for (const plot of document.querySelectorAll('.panel > svg.plot')) {
+    const panel = plot.parentNode, data = plot.dataset, zooms = plot.classList.contains('zoom');
+    const [field, ticks, frame] = ['.field', '.ticks', '.frame'].map(name => plot.querySelector(name));
+    const hover = panel.querySelector('.hover'), reset = panel.querySelector('.reset');
+    const log = {x: +data.xlog, y: +data.ylog}, unit = +data.unit;
+    const full = {x: [+data.x0, +data.x1], y: [+data.y0, +data.y1]};
+    const number = (node, name) => +node.getAttribute(name);
+    const left = number(field, 'x'), top = number(field, 'y');
+    const width = number(field, 'width'), height = number(field, 'height');
+    const natural = number(plot, 'width'), outer = number(plot, 'height');
+    let shown = width, seen = [0, width, 0, height];
+    // As drawn, in pixels of the field as it was first.
+    const lines = [...field.querySelectorAll('.line')].map(path => {
+      const stem = path.classList.contains('stem');
+      const runs = path.getAttribute('d').split('M').slice(1)
+        .map(run => run.split('L').map(p => p.split(' ').map(Number)));
+      return {name: path.dataset.name, runs: stem ? [runs.map(run => run[1])] : runs, stem};
     });
-    if (names) names.setAttribute('visibility', 'hidden');
-    hover.textContent = `at ${shown('x', value.x(x), 5)}: ${near.join(', ')}`;
-  });
-  plot.addEventListener('mouseleave', () => {
-    hover.textContent = '';
-    pointer.removeAttribute('d');
-    if (names) names.removeAttribute('visibility');
-  });
-  window.addEventListener('mouseup', event => {
-    if (from === null) return;
-    const to = across(event), x = Math.min(from, to), w = Math.abs(to - from);
-    from = null;
-    chosen.setAttribute('width', 0);
-    if (w < seen[1] / 200) return;
-    const inside = lines.flatMap(l => l.points.filter(p => p[0] >= x && p[0] <= x + w).map(p => p[1]));
-    const high = Math.min(...inside), low = Math.max(...inside), margin = 0.05 * (low - high) || 1;
-    seen = inside.length > 1 ? [x, w, high - margin, low - high + 2 * margin] : [x, w, seen[2], seen[3]];
-    show();
-  });
-  plot.addEventListener('dblclick', () => { seen = [0, width, 0, height]; show(); });
-}
+    const named = lines.filter(line => line.name);
+    const value = {
+      x: p => full.x[0] + p / width * (full.x[1] - full.x[0]),
+      y: p => full.y[1] - p / height * (full.y[1] - full.y[0]),
+    };
+    const pixel = v => (v - full.x[0]) / (full.x[1] - full.x[0]) * width;
+    const written = (axis, v, digits) => String(+(log[axis] ? 10 ** v : v).toPrecision(digits));
+    const wanted = (axis, from, to, about) => (log[axis] ? decades(from, to) : round(from, to, about));
+
+    const show = () => {
+      const [x, w, y, h] = seen, bottom = top + height;
+      field.setAttribute('viewBox', `${x} ${y} ${w} ${h}`);
+      const whole = w >= width * 0.9999;
+      if (reset) reset.hidden = whole;
+      for (const text of field.querySelectorAll('text')) {
+        const [a, b] = [number(text, 'x'), number(text, 'y')];
+        text.setAttribute('transform',
+          `translate(${a} ${b}) scale(${w / shown} ${h / height}) translate(${-a} ${-b})`);
+      }
+      const marked = axis => data.marked.includes(axis);
+      const kept = axis => [...ticks.children].filter(node => node.dataset.of === axis);
+      for (const axis of ['x', 'y']) if (!marked(axis)) kept(axis).forEach(node => node.remove());
+      if (!marked('x')) {
+        const [from, to] = [value.x(x), value.x(x + w)];
+        for (const [v, label] of wanted('x', from, to, Math.max(4, shown / 80))) {
+          const at = left + (v - from) / (to - from) * shown;
+          make('path', {d: `M${at} ${top}V${bottom}`, class: 'grid', 'data-of': 'x'}, ticks);
+          make('text', {x: at, y: bottom + 14, 'text-anchor': 'middle', 'data-of': 'x'}, ticks)
+            .textContent = label;
+        }
+      } else {
+        for (const node of kept('x')) {
+          const at = left + (+node.dataset.at * width - x) / w * shown;
+          if (node.tagName === 'path') node.setAttribute('d', `M${at} ${top}V${bottom}`);
+          else node.setAttribute('x', at);
+        }
+      }
+      if (marked('y')) {
+        for (const node of kept('y')) {
+          if (node.tagName === 'path') {
+            node.setAttribute('d', node.getAttribute('d').replace(/H.*/, `H${left + shown}`));
+          }
+        }
+        return;
+      }
+      const [under, over] = [value.y(y + h), value.y(y)];
+      for (const [v, label] of wanted('y', under, over, Math.min(8, Math.max(3, height / 28)))) {
+        const at = top + (over - v) / (over - under) * height;
+        make('path', {d: `M${left} ${at}H${left + shown}`, class: 'grid', 'data-of': 'y'}, ticks);
+        make('text', {x: left - 5, y: at + 3.5, 'text-anchor': 'end', 'data-of': 'y'}, ticks)
+          .textContent = label;
+      }
+    };
+
+    // Fits the drawing to the page, never wider than it was made.
+    const fit = () => {
+      const room = Math.min(natural, panel.clientWidth);
+      if (room < 120) return;
+      shown = width - (natural - room);
+      plot.setAttribute('width', room);
+      plot.setAttribute('viewBox', `0 0 ${room} ${outer}`);
+      for (const node of [field, frame]) node.setAttribute('width', shown);
+      plot.querySelector('.across').setAttribute('x', left + shown / 2);
+      show();
+    };
+
+    const zero = full.y[1] / (full.y[1] - full.y[0]) * height;
+    // The height that shows all lines between two pixels across.
+    const tall = (x, w) => {
+      let high = Infinity, low = -Infinity;
+      for (const {runs, stem} of lines) {
+        for (const run of runs) {
+          for (let k = 0; k < run.length; k++) {
+            const beside = run[k + 1] || run[k - 1] || run[k];
+            const near = stem ? run[k][0] >= x && run[k][0] <= x + w
+              : Math.max(run[k][0], beside[0]) >= x && Math.min(run[k][0], beside[0]) <= x + w;
+            const inside = run[k][0] >= x && run[k][0] <= x + w;
+            if (!near) continue;
+            // A corner outside counts where the line enters the window.
+            let up = run[k][1];
+            if (!inside && beside[0] !== run[k][0]) {
+              const edge = run[k][0] < x ? x : x + w;
+              up += (edge - run[k][0]) / (beside[0] - run[k][0]) * (beside[1] - run[k][1]);
+            }
+            high = Math.min(high, up);
+            low = Math.max(low, up);
+            if (stem) [high, low] = [Math.min(high, zero), Math.max(low, zero)];
+          }
+        }
+      }
+      if (!(low >= high)) return null;
+      const margin = 0.05 * (low - high) || 1;
+      return [high - margin, low - high + 2 * margin];
+    };
+    const look = (x, w) => {
+      w = Math.min(Math.max(w, width / 5000), width);
+      x = Math.min(Math.max(x, 0), width - w);
+      const most = w >= width * 0.9999;
+      seen = most ? [0, width, 0, height] : [x, w, ...(tall(x, w) || [seen[2], seen[3]])];
+      show();
+    };
+    // In plain units, for the plots beside.
+    const range = () => [value.x(seen[0]) / unit, value.x(seen[0] + seen[1]) / unit];
+    const go = (x, w) => {
+      look(x, w);
+      const whole = seen[1] >= width * 0.9999;
+      for (const other of all) {
+        if (data.link && other.link === data.link && other.plot !== plot) {
+          if (whole) other.whole(); else other.between(range());
+        }
+      }
+    };
+    all.push({
+      plot, link: data.link, fit, range,
+      whole: () => look(0, width),
+      between: ([low, high]) => {
+        const [from, to] = [pixel(low * unit), pixel(high * unit)];
+        if (to > 0 && from < width) look(Math.max(from, 0), Math.min(to, width) - Math.max(from, 0));
+      },
+      zoom: (low, high) => go(pixel(low * unit), pixel(high * unit) - pixel(low * unit)),
+    });
+    if (!zooms) continue;
+
+    const pointer = make('path', {class: 'pointer'}, field);
+    const chosen = make('rect', {class: 'chosen', y: -9999, height: 19998, width: 0}, field);
+    const across = clientX => {
+      const box = plot.getBoundingClientRect(), scale = number(plot, 'width') / box.width;
+      const p = (clientX - box.left) * scale - left;
+      return seen[0] + Math.min(Math.max(p, 0), shown) / shown * seen[1];
+    };
+    const at = (runs, x) => {
+      let best = null;
+      for (const run of runs) {
+        if (x < run[0][0] || x > run[run.length - 1][0]) continue;
+        let k = run.findIndex(p => p[0] >= x);
+        if (k <= 0) k = Math.min(1, run.length - 1);
+        const [from, to] = [run[Math.max(k - 1, 0)], run[k]];
+        best = to[0] === from[0] ? to[1]
+          : from[1] + (x - from[0]) / (to[0] - from[0]) * (to[1] - from[1]);
+      }
+      return best;
+    };
+    const tell = x => {
+      pointer.setAttribute('d', `M${x} -9999V9999`);
+      const told = named.map(({name, runs, stem}) => {
+        if (stem) {
+          const near = runs[0].reduce((a, b) => (Math.abs(b[0] - x) < Math.abs(a[0] - x) ? b : a));
+          return `${name} ${written('y', value.y(near[1]), 4)}`;
+        }
+        const y = at(runs, x);
+        return y === null ? '' : `${name} ${written('y', value.y(y), 4)}`;
+      }).filter(Boolean);
+      hover.textContent = `at ${written('x', value.x(x), 5)}: ${told.join(', ')}`;
+    };
+    const quiet = () => { hover.textContent = ''; pointer.removeAttribute('d'); };
+
+    // Fingers and the mouse: one finger moves a part along, two zoom it, the mouse chooses one.
+    const down = new Map();
+    let from = null, pinch = null, tapped = 0;
+    plot.addEventListener('pointerdown', event => {
+      down.set(event.pointerId, event.clientX);
+      if (event.pointerType === 'mouse') {
+        if (event.button !== 0) return;
+        try { plot.setPointerCapture(event.pointerId); } catch { /* gone again */ }
+        from = across(event.clientX);
+        event.preventDefault();
+        return;
+      }
+      const now = event.timeStamp;
+      if (down.size === 1 && now - tapped < 350) go(0, width);
+      tapped = now;
+      const ends = [...down.values()];
+      pinch = {ends, values: ends.map(across), seen: [...seen]};
+    });
+    plot.addEventListener('pointermove', event => {
+      if (event.pointerType === 'mouse') {
+        const x = across(event.clientX);
+        if (from !== null) {
+          chosen.setAttribute('x', Math.min(x, from));
+          chosen.setAttribute('width', Math.abs(x - from));
+        }
+        tell(x);
+        return;
+      }
+      if (!down.has(event.pointerId)) return;
+      down.set(event.pointerId, event.clientX);
+      const box = plot.getBoundingClientRect(), scale = number(plot, 'width') / box.width;
+      const share = clientX => ((clientX - box.left) * scale - left) / shown;
+      const [one, two] = [...down.values()];
+      if (two !== undefined && pinch && pinch.values.length > 1) {
+        const [a, b] = [share(one), share(two)], [u, v] = pinch.values;
+        if (Math.abs(b - a) > 0.02 && (v - u) / (b - a) > 0) {
+          const w = (v - u) / (b - a);
+          go(u - a * w, w);
+        }
+      } else if (pinch && seen[1] < width * 0.9999) {
+        go(pinch.seen[0] - (share(one) - share(pinch.ends[0])) * pinch.seen[1], pinch.seen[1]);
+      } else {
+        tell(across(event.clientX));
+      }
+    });
+    const lift = event => {
+      down.delete(event.pointerId);
+      const ends = [...down.values()];
+      pinch = ends.length ? {ends, values: ends.map(across), seen: [...seen]} : null;
+      if (from === null) return;
+      const to = across(event.clientX), x = Math.min(from, to), w = Math.abs(to - from);
+      from = null;
+      chosen.setAttribute('width', 0);
+      if (w > seen[1] / 200) go(x, w);
+    };
+    plot.addEventListener('pointerup', lift);
+    plot.addEventListener('pointercancel', event => { from = null; lift(event); });
+    plot.addEventListener('pointerleave', quiet);
+    plot.addEventListener('dblclick', () => go(0, width));
+    reset.addEventListener('click', () => go(0, width));
+  }
+  const fitAll = () => all.forEach(plot => plot.fit());
+  fitAll();
+  window.addEventListener('resize', fitAll);
+  document.addEventListener('toggle', fitAll, true);
+  for (const button of document.querySelectorAll('button.copy')) {
+    button.addEventListener('click', () => {
+      const text = button.parentNode.querySelector('pre').textContent;
+      const done = () => { button.textContent = 'copied'; };
+      if (navigator.clipboard) navigator.clipboard.writeText(text).then(done, () => {});
+    });
+  }
+  window.plots = all;
+})();

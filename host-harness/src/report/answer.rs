@@ -1,67 +1,193 @@
-//! The answer in a sentence, for the reader who stops there.
+//! The answer in everyday words, for the reader who stops there.
 
+use super::words::{capital, effect, explained, joined, list, the, words};
 use crate::discover::evidence::Budget;
-use crate::discover::findings::{Answer, Findings, Named, Verdict, Whereabouts};
-use crate::plot::text::{escape, number, per_cent, with_sigma};
+use crate::discover::findings::{Answer, Findings, Verdict, Whereabouts};
+use crate::plot::text::{digits, per_cent, si};
 
-/// The headline, as HTML.
-pub(super) fn sentence(findings: &Findings) -> String {
-    let verdict = &findings.verdict;
-    let named: Vec<String> = verdict.effects.iter().map(name).collect();
-    let named = named.join("; and ");
+/// The headline.
+pub(super) fn headline(verdict: &Verdict) -> String {
+    let named = list(&verdict.effects);
     match verdict.verdict {
-        Answer::Effect => format!("The model misses {named}."),
-        Answer::Adequate => format!("Nothing is missing that this log shows{}.", to(verdict)),
-        Answer::Undecided => "This log cannot tell what the model misses.".to_owned(),
-        Answer::Unknown if named.is_empty() => format!(
-            "Something is missing that no listed effect explains: {}.",
-            place(&verdict.whereabouts)
-        ),
-        Answer::Unknown => format!(
-            "The model misses {named}; yet something else is missing as well, which no listed \
-             effect explains: {}.",
-            place(&verdict.whereabouts)
+        Answer::Effect => format!("The model lacks {named}"),
+        Answer::Adequate => "Nothing is missing that this log shows".to_owned(),
+        Answer::Undecided => "This log cannot tell what the model lacks".to_owned(),
+        Answer::Unknown => {
+            let beside = if named.is_empty() { named } else { format!(", beside {named}") };
+            let what = match verdict.budget.as_ref().filter(|budget| budget.unnamed > 0.0) {
+                Some(budget) => format!(
+                    "In the {} something is missing that follows {}",
+                    budget.equation,
+                    the(&words(&budget.unnamed_follows))
+                ),
+                None => "Something is missing".to_owned(),
+            };
+            format!("{what}, and no known effect explains it{beside}")
+        }
+    }
+}
+
+/// What stands below the headline, a paragraph each.
+pub(super) fn paragraphs(findings: &Findings) -> Vec<String> {
+    let verdict = &findings.verdict;
+    match verdict.verdict {
+        Answer::Undecided => {
+            verdict.reasons.iter().map(|reason| format!("{}.", capital(&words(reason)))).collect()
+        }
+        Answer::Adequate => vec![adequate(verdict)],
+        Answer::Effect => {
+            let mut all = vec![format!("{} {}", what(verdict), how_sure(verdict))];
+            all.extend(verdict.budget.as_ref().map(left));
+            all
+        }
+        Answer::Unknown => {
+            let mut all = vec![not_explained(verdict)];
+            all.extend(possible(verdict));
+            if !verdict.effects.is_empty() {
+                all.push(format!("{} {}", what(verdict), how_sure(verdict)));
+            }
+            all
+        }
+    }
+}
+
+/// What the effects are.
+fn what(verdict: &Verdict) -> String {
+    let mut told: Vec<&str> = Vec::new();
+    for own in verdict.effects.iter().filter_map(|own| explained(&own.kind)) {
+        if !told.contains(&own) {
+            told.push(own);
+        }
+    }
+    match &told[..] {
+        [] => String::new(),
+        [one] => format!("That is {one}."),
+        several => format!(
+            "These are {}.",
+            joined(&several.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>())
         ),
     }
+}
+
+/// How sure the names are, and what they explain.
+fn how_sure(verdict: &Verdict) -> String {
+    let Some(least) = verdict.effects.iter().map(|own| own.confidence).reduce(f64::min) else {
+        return String::new();
+    };
+    let one = verdict.effects.len() == 1;
+    let sure = match one {
+        true => format!("The name is right with a probability of {}.", per_cent(least)),
+        false => format!("Each name is right with a probability of {} or more.", per_cent(least)),
+    };
+    match &verdict.budget {
+        Some(budget) => format!(
+            "{sure} Of the error that the refitted model leaves in the {} equation {} {} on samples that no \
+             fit has seen.",
+            budget.equation,
+            if one { "it explains" } else { "they explain" },
+            per_cent(budget.named),
+        ),
+        None => sure,
+    }
+}
+
+/// What is left, and whether it matters.
+fn left(budget: &Budget) -> String {
+    if budget.rms_left <= 0.0 {
+        return format!("What is left in the {} equation is white noise.", budget.equation);
+    }
+    format!(
+        "What stays unexplained beside white noise is {} RMS, {} of what drives that equation.",
+        si(budget.rms_left, &budget.unit, 2),
+        per_cent(budget.left_of_drive)
+    )
+}
+
+fn adequate(verdict: &Verdict) -> String {
+    let mut text = match &verdict.budget {
+        Some(budget) if budget.rms_left <= 0.0 => format!(
+            "What the refitted model leaves in the {} equation, {} RMS, is white noise.",
+            budget.equation,
+            si(budget.rms_before, &budget.unit, 2)
+        ),
+        Some(budget) => format!(
+            "The refitted model explains the {} equation up to {} RMS, {} of what drives it.",
+            budget.equation,
+            si(budget.rms_left, &budget.unit, 2),
+            per_cent(budget.left_of_drive)
+        ),
+        None => "The refitted model explains this log.".to_owned(),
+    };
+    let gap = &verdict.gap;
+    text += &format!(
+        " On samples that no fit has seen its predictions miss by {} standard deviations of the noise, \
+         where noise alone leaves {}.",
+        digits(gap.after, 3),
+        digits(gap.floor, 3)
+    );
+    text
+}
+
+/// What is not explained, and where.
+fn not_explained(verdict: &Verdict) -> String {
+    let Some(budget) = verdict.budget.as_ref() else {
+        return format!("{}.", capital(&place(&verdict.whereabouts)));
+    };
+    let whole = format!(
+        "In the {} equation {} RMS stay unexplained beside white noise, {} of what drives it.",
+        budget.equation,
+        si(budget.rms_left, &budget.unit, 2),
+        per_cent(budget.left_of_drive)
+    );
+    match budget.unnamed > 0.0 {
+        true => format!(
+            "{whole} A part of it can be predicted, so it is a law without a name: {} RMS follow {} ({} \
+             of what drives the equation).",
+            si(unnamed_rms(budget), &budget.unit, 2),
+            the(&words(&budget.unnamed_follows)),
+            per_cent(budget.unnamed_of_drive)
+        ),
+        false => format!(
+            "{whole} It is correlated in time but follows no angle, speed, current or time that the log has."
+        ),
+    }
+}
+
+/// Of the unnamed part, in the unit of its equation: shares are of squares.
+pub(super) fn unnamed_rms(budget: &Budget) -> f64 {
+    budget.rms_before * budget.unnamed.max(0.0).sqrt()
+}
+
+fn possible(verdict: &Verdict) -> Option<String> {
+    let names = verdict.possible.iter().map(|own| effect(&own.kind, &own.location));
+    let names: Vec<String> = names.collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "Possible, but not confirmed by samples that no fit has seen, and not in the improved model: {}.",
+            joined(&names)
+        )
+    })
 }
 
 /// To how much the model explains the equation that it misses most.
 pub(crate) fn to(verdict: &Verdict) -> String {
     verdict.budget.as_ref().map_or(String::new(), |budget| {
         format!(
-            ": the model explains the {} to {} of what drives it ({} {} RMS)",
+            ": the model explains the {} to {} of what drives it ({} RMS)",
             budget.equation,
             per_cent(budget.left_of_drive),
-            number(budget.rms_left),
-            budget.unit
+            si(budget.rms_left, &budget.unit, 3)
         )
     })
-}
-
-/// How far predictions missed, as HTML.
-pub(super) fn gap(findings: &Findings) -> String {
-    if findings.verdict.verdict == Answer::Undecided {
-        return escape(&findings.verdict.reasons.join("; "));
-    }
-    let gap = &findings.verdict.gap;
-    format!(
-        "Predictions of the refitted model miss by {} before and {} after; noise alone leaves {} \
-         ({}).",
-        number(gap.before),
-        number(gap.after),
-        number(gap.floor),
-        escape(gap.unit)
-    )
 }
 
 /// Where the gap goes, in a sentence.
 pub(crate) fn budget(budget: &Budget) -> String {
     let mut text = format!(
-        "Of what the refitted nominal misses in the {} equation ({} {} RMS on samples that no fit has \
-         seen) the effects explain {}",
+        "Of what the refitted nominal misses in the {} equation ({} RMS on samples that no fit has seen) \
+         the effects explain {}",
         budget.equation,
-        number(budget.rms_before),
-        budget.unit,
+        si(budget.rms_before, &budget.unit, 3),
         per_cent(budget.named)
     );
     if budget.unnamed > 0.0 {
@@ -80,44 +206,24 @@ pub(crate) fn budget(budget: &Budget) -> String {
     text
 }
 
-/// Where the disagreement sits, as HTML.
+/// Where the disagreement sits.
 pub(super) fn place(place: &Whereabouts) -> String {
-    if place.equation.is_empty() {
+    if place.equation.is_empty() || place.equation == "none" {
         return "no equation stands out".to_owned();
     }
-    let mut text = format!("it acts on <b>{}</b>", escape(&place.equation));
+    let mut text = format!("it acts on the {} equation", place.equation);
     if !place.varies_with.is_empty() {
-        let follows = escape(&place.varies_with);
-        text.push_str(&format!(" and follows <b>{follows}</b>"));
+        text.push_str(&format!(" and follows {}", the(&words(&place.varies_with))));
     }
     if !place.orders.is_empty() {
-        let orders: Vec<String> = place.orders.iter().map(|order| number_of(*order)).collect();
-        text.push_str(&format!(" at {} per turn", orders.join(", ")));
+        let orders: Vec<String> = place.orders.iter().map(|order| order_of(*order)).collect();
+        text.push_str(&format!(" at {} per turn", joined(&orders)));
     }
-    text.push_str(&format!(" ({} of its variance)", per_cent(place.explained)));
+    text.push_str(&format!(", which explains {} of its variance", per_cent(place.explained)));
     text
 }
 
 /// An order: an integer where it is one.
-pub(super) fn number_of(order: f64) -> String {
-    if order.fract() == 0.0 { format!("{order}") } else { number(order) }
-}
-
-fn name(effect: &Named) -> String {
-    let parameters: Vec<String> = effect
-        .parameters
-        .iter()
-        .map(|(key, value)| {
-            let sigma = effect.standard_errors.get(key).copied();
-            format!("{} {}", escape(key), with_sigma(*value, sigma))
-        })
-        .collect();
-    let colon = if parameters.is_empty() { "" } else { ": " };
-    format!(
-        "<b>{}</b> at <b>{}</b> (confidence {}){colon}{}",
-        escape(&effect.kind),
-        escape(&effect.location),
-        per_cent(effect.confidence),
-        parameters.join(", ")
-    )
+pub(super) fn order_of(order: f64) -> String {
+    if order.fract() == 0.0 { format!("{order}") } else { digits(order, 4) }
 }

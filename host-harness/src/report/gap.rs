@@ -1,56 +1,144 @@
-//! The gap at a glance: before, after and floor per signal, as dots on one logarithmic axis.
+//! Where the gap goes, as a bar: what each effect explains, what follows something without a name, what follows
+//! nothing, and what is noise.
 
 use std::fmt::Write;
 
-use crate::discover::findings::Gap;
-use crate::plot::text::{escape, number};
-use crate::plot::{Axis, Ink, Mark, Plot, Series};
+use super::answer::unnamed_rms;
+use super::words::{effect, the, words};
+use crate::discover::evidence::Budget;
+use crate::discover::findings::{Answer, Gap, Named, Verdict};
+use crate::plot::text::{digits, escape, per_cent, si, si_with_sigma};
+use crate::plot::{Ink, Part, stack};
 
-const WIDTH: f64 = 414.0;
-const ROW: f64 = 30.0;
+/// Colours of effects: those that no other part has.
+const INKS: [usize; 5] = [0, 2, 4, 5, 7];
 
-/// The gap as a plot and a table.
-pub(super) fn section(page: &mut String, gap: &Gap) {
-    let mut rows = vec![("all signals", [gap.before, gap.after, gap.floor])];
-    rows.extend(gap.signals.iter().map(|(name, values)| (name.as_str(), *values)));
-    let _ = write!(page, "<div class=\"side\">{}", dots(&rows, gap.unit).svg());
-    page.push_str(
-        "<table><tr><th>signal<th class=n>before<th class=n>after<th class=n>floor</tr>\n",
+/// The figures of the first screen.
+pub(super) fn tiles(page: &mut String, verdict: &Verdict) {
+    let mut tile = |figure: String, text: String| {
+        let _ =
+            writeln!(page, "<div><b>{}</b><small>{}</small></div>", escape(&figure), escape(&text));
+    };
+    if let Some(least) = verdict.effects.iter().map(|own| own.confidence).reduce(f64::min) {
+        let text = match verdict.effects.len() {
+            1 => "probability that the name is right",
+            _ => "probability of the least certain name",
+        };
+        tile(per_cent(least), text.to_owned());
+    }
+    if let Some(budget) = &verdict.budget {
+        if verdict.verdict == Answer::Unknown && budget.unnamed > 0.0 {
+            let follows = the(&words(&budget.unnamed_follows));
+            let text = format!(
+                "RMS of {} has no name and follows {follows}: {} of what drives it",
+                budget.equation,
+                per_cent(budget.unnamed_of_drive)
+            );
+            tile(si(unnamed_rms(budget), &budget.unit, 2), text);
+        }
+        if !verdict.effects.is_empty() {
+            let text =
+                "of what the refitted model misses is explained, on samples that no fit has seen";
+            tile(per_cent(budget.named), text.to_owned());
+        }
+        match budget.rms_left > 0.0 {
+            true => {
+                let share = per_cent(budget.left_of_drive);
+                let text = format!(
+                    "RMS of {} stays unexplained beside white noise: {share} of what drives it",
+                    budget.equation
+                );
+                tile(si(budget.rms_left, &budget.unit, 2), text);
+            }
+            false => {
+                let text = format!("RMS of {} is left, all of it white noise", budget.equation);
+                tile(si(budget.rms_after, &budget.unit, 2), text);
+            }
+        }
+    }
+    let gap = &verdict.gap;
+    let text = format!(
+        "prediction error in standard deviations of the noise, on samples that no fit has seen; noise alone \
+         leaves {}",
+        digits(gap.floor, 3)
     );
-    for (name, values) in &rows {
-        let [before, after, floor] = values.map(number);
+    match verdict.effects.is_empty() {
+        true => tile(digits(gap.after, 3), text),
+        false => tile(format!("{} → {}", digits(gap.before, 3), digits(gap.after, 3)), text),
+    }
+}
+
+/// The budget as a bar with its table.
+pub(super) fn budget(page: &mut String, verdict: &Verdict) {
+    let Some(budget) = &verdict.budget else { return };
+    let _ = writeln!(
+        page,
+        "<h2>Where the error goes</h2>\n<p>The refitted model misses {} RMS in the {} equation, on samples \
+         that no fit has seen. Shares are of its square, so that they add up.</p>",
+        escape(&si(budget.rms_before, &budget.unit, 3)),
+        escape(&budget.equation)
+    );
+    page.push_str(&stack(&["part", "share", "RMS"], &parts(verdict, budget)));
+    let gone = 1.0 - budget.named;
+    if gone > 1.0 {
+        let _ = writeln!(
+            page,
+            "<p class=note>With the effects the model misses more there than without ({} RMS).</p>",
+            escape(&si(budget.rms_after, &budget.unit, 3))
+        );
+    }
+}
+
+/// An effect's share with its standard error.
+pub(super) fn share(own: &Named) -> String {
+    match own.share_error.is_finite() && own.share_error > 0.0 {
+        true => si_with_sigma(100.0 * own.share, Some(100.0 * own.share_error), "%"),
+        false => format!("{:.1} %", 100.0 * own.share),
+    }
+}
+
+fn parts(verdict: &Verdict, budget: &Budget) -> Vec<Part> {
+    let rms = |share: f64| si(budget.rms_before * share.max(0.0).sqrt(), &budget.unit, 2);
+    let mut all: Vec<Part> = Vec::new();
+    for (k, own) in verdict.effects.iter().enumerate() {
+        all.push(Part {
+            name: effect(&own.kind, &own.location),
+            ink: Ink::Nth(INKS[k % INKS.len()]),
+            share: own.share,
+            cells: vec![share(own), rms(own.share)],
+        });
+    }
+    let mut part = |name: String, ink: Ink, share: f64| {
+        let cells = vec![format!("{:.1} %", 100.0 * share), rms(share)];
+        all.push(Part { name, ink, share, cells });
+    };
+    let follows = match budget.unnamed > 0.0 {
+        true => format!("without a name, follows {}", the(&words(&budget.unnamed_follows))),
+        false => "predictable, without a name".to_owned(),
+    };
+    part(follows, Ink::Wrong, budget.unnamed);
+    part("correlated in time, follows nothing".to_owned(), Ink::Soft, budget.coloured);
+    part("white noise of sensors and torque".to_owned(), Ink::Faint, budget.white);
+    all
+}
+
+/// The gap by signal, as a table.
+pub(super) fn signals(page: &mut String, gap: &Gap) {
+    let _ = writeln!(
+        page,
+        "<h3>Prediction errors by signal</h3>\n<div class=wide><table><tr><th>{}<th class=n>refitted\
+         <th class=n>improved<th class=n>noise alone</tr>",
+        escape(gap.unit)
+    );
+    let all = [("all signals", [gap.before, gap.after, gap.floor])];
+    let rows = gap.signals.iter().map(|(name, values)| (name.as_str(), *values));
+    for (name, values) in all.into_iter().chain(rows) {
+        let [before, after, floor] = values.map(|value| digits(value, 3));
         let _ = writeln!(
             page,
             "<tr><td>{}<td class=n>{before}<td class=n>{after}<td class=n>{floor}</tr>",
-            escape(name)
+            escape(&words(name))
         );
     }
-    let _ = writeln!(page, "</table></div><p class=note>{}</p>", escape(gap.unit));
-}
-
-/// The rows from the top down, each at half its height.
-fn dots<'a>(rows: &[(&'a str, [f64; 3])], unit: &'a str) -> Plot<'a> {
-    let count = rows.len() as f64;
-    let up = |k: usize| count - 0.5 - k as f64;
-    let names = rows.iter().enumerate().map(|(k, (name, _))| (up(k), (*name).to_owned()));
-    let names = Axis::linear("", "").within([0.0, count]).marked(names.collect());
-    let ups: Vec<f64> = (0..rows.len()).map(up).collect();
-    let series = |which: usize, name: &'static str, ink, mark| {
-        let values: Vec<f64> = rows.iter().map(|(_, values)| values[which]).collect();
-        let notes = values.iter().map(|value| format!("{name} {}", number(*value)));
-        let notes = notes.collect();
-        Series { notes, ..Series::new(name, ink, mark, values, ups.clone()) }
-    };
-    let ways = rows.iter().enumerate().flat_map(|(k, (_, v))| [(v[0], up(k)), (v[1], up(k))]);
-    let (from, to): (Vec<f64>, Vec<f64>) = ways.unzip();
-    Plot {
-        zoom: false,
-        series: vec![
-            Series::new("", Ink::Soft, Mark::Links, from, to),
-            series(2, "floor", Ink::Text, Mark::Uprights),
-            series(0, "before", Ink::Before, Mark::Points),
-            series(1, "after", Ink::After, Mark::Points),
-        ],
-        ..Plot::new("Gap by signal", Axis::log(unit, ""), names).sized(WIDTH, ROW * count)
-    }
+    page.push_str("</table></div>\n");
 }

@@ -247,33 +247,61 @@ fn claim(runs: &Runs) -> Vec<Plot<'_>> {
     ]
 }
 
-/// The table and every figure as one page that opens offline.
+/// How many numbers agree, every figure, and the table, as one page that opens offline.
 pub fn page(numbers: &[Number], figures: &[Figure<'_>]) -> String {
     let agree = numbers.iter().filter(|row| row.agrees).count();
+    let tuned = numbers.iter().filter(|row| row.tuned).count();
+    let class = if agree == numbers.len() { "" } else { " effect" };
     let mut body = format!(
-        "<h1>The paper, reproduced</h1>\n<p>{agree} of {} numbers agree.</p>\n\
-         <table><tr><th>figure<th>quantity<th>unit<th>paper<th>ours<th>agrees<th>note</tr>\n",
+        "<p class=over>The paper, reproduced</p>\n<div class=\"answer{class}\"><h1>{agree} of {} numbers of \
+         the paper agree</h1>\n<p class=first>{tuned} of them were used to tune what the paper leaves open.</p>\n",
         numbers.len()
+    );
+    let apart: Vec<&Number> = numbers.iter().filter(|row| !row.agrees).collect();
+    if !apart.is_empty() {
+        body.push_str("<p>These do not:</p>\n<ul>");
+        for row in apart {
+            let unit = if row.unit == "1" { "" } else { row.unit };
+            let _ = write!(
+                body,
+                "<li>figure {}, {}: {} {unit} in the paper, {} {unit} here",
+                escape(&row.figure),
+                escape(&row.quantity),
+                escape(&row.paper.to_string()),
+                digits(row.ours, 3)
+            );
+        }
+        body.push_str("</ul>\n");
+    }
+    body.push_str("</div>\n");
+    for figure in figures {
+        let _ = writeln!(body, "<h2>{}</h2>", escape(&figure.title));
+        figure.panels.iter().for_each(|panel| body.push_str(&panel.svg()));
+    }
+    table(&mut body, numbers);
+    plot::page("The paper, reproduced", &body)
+}
+
+/// Every number beside ours.
+fn table(body: &mut String, numbers: &[Number]) {
+    body.push_str(
+        "<h2>Every number</h2>\n<div class=wide><table><tr><th>figure<th>quantity<th class=n>paper<th class=n>ours\
+         <th>unit<th>agrees<th>note</tr>\n",
     );
     for row in numbers {
         let _ = writeln!(
             body,
-            "<tr class={}><td>{}<td>{}<td>{}<td>{}<td>{}<td>{}{}<td>{}</tr>",
+            "<tr class={}><td>{}<td>{}<td class=n>{}<td class=n>{}<td>{}<td>{}{}<td>{}</tr>",
             if row.agrees { "yes" } else { "no" },
             escape(&row.figure),
             escape(&row.quantity),
-            row.unit,
             escape(&row.paper.to_string()),
             digits(row.ours, 3),
+            row.unit,
             if row.agrees { "yes" } else { "no" },
             if row.tuned { ", tuned" } else { "" },
             escape(&row.note)
         );
     }
-    body.push_str("</table>\n");
-    for figure in figures {
-        let _ = writeln!(body, "<h2>{}</h2>", escape(&figure.title));
-        figure.panels.iter().for_each(|panel| body.push_str(&panel.svg()));
-    }
-    plot::page("The paper, reproduced", &body)
+    body.push_str("</table></div>\n");
 }

@@ -101,7 +101,7 @@ impl Tally {
     }
 }
 
-fn value(log: &Log, signal: &Signal, k: usize) -> f64 {
+pub(super) fn value(log: &Log, signal: &Signal, k: usize) -> f64 {
     let of = |values: &Option<Vec<f64>>| values.as_ref().map_or(f64::NAN, |values| values[k]);
     match signal.column {
         OUTPUT_ANGLE => of(&log.output_angle_rad),

@@ -7,6 +7,7 @@
 //! seconds give ([`level`]), and over windows of a second from the measured state; beside it stand what a
 //! trivial prediction misses and what a per cent of friction does.
 
+mod course;
 mod errors;
 mod level;
 mod run;
@@ -19,13 +20,14 @@ use crate::model::Model;
 use crate::plant::BuildError;
 use crate::start::Measured;
 
+pub use course::{Course, courses};
 pub use errors::{Errors, Signal};
 use errors::{Tally, signals};
 pub use level::with_friction;
 use run::Runner;
 
 /// Length of the windows from the measured state, s.
-const WINDOW_S: f64 = 1.0;
+pub const WINDOW_S: f64 = 1.0;
 
 /// The errors of a model on a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -144,20 +146,14 @@ fn in_windows(
     begin: usize,
 ) -> (Tally, Tally, usize) {
     let (mut own, mut coasting) = (Tally::new(signals), Tally::new(signals));
-    let (mut from, mut count) = (begin, 0);
-    while from < log.len() {
-        let end = log.time_s.partition_point(|t| *t <= log.time_s[from] + WINDOW_S * (1.0 + 1e-9));
-        // The last one is as long as the others, or left out.
-        if end >= log.len() {
-            break;
-        }
-        if let Some(start) = measured.at(from) {
-            own.add(log, &(from..end), &runner.run(&start, from..end), measured.output_offset());
-            let coast = runner.coasting(&start, from..end);
-            coasting.add(log, &(from..end), &coast, measured.output_offset());
+    let mut count = 0;
+    for range in course::windows(log, begin, WINDOW_S) {
+        if let Some(start) = measured.at(range.start) {
+            own.add(log, &range, &runner.run(&start, range.clone()), measured.output_offset());
+            let coast = runner.coasting(&start, range.clone());
+            coasting.add(log, &range, &coast, measured.output_offset());
             count += 1;
         }
-        from = end;
     }
     (own, coasting, count)
 }

@@ -9,6 +9,7 @@ use super::{Common, Failure, Outcome};
 use crate::demo::riddle;
 use crate::discover::{STEPS, discover};
 use crate::output::OutDir;
+use crate::report::{Source, quoted};
 
 /// Hide an effect in built-in data, find, name and add it, and write the report
 ///
@@ -39,9 +40,11 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let findings =
         discover(&riddle.nominal, std::slice::from_ref(&riddle.log), &bar).map_err(failure)?;
     bar.finish_and_clear();
-    out.write("log.csv", riddle.log.to_csv())?;
-    out.write("nominal.toml", riddle.nominal.to_toml())?;
-    write(&out, &findings)?;
+    let log = out.write("log.csv", riddle.log.to_csv())?;
+    let nominal = out.write("nominal.toml", riddle.nominal.to_toml())?;
+    let command = format!("joint demo --seed {seed} --out {}", quoted(&args.out));
+    let source = Source::new(command, &nominal, &[log], out.path());
+    write(&out, &findings, std::slice::from_ref(&riddle.log), &source)?;
 
     let hidden = format!("{} ({})", riddle.hidden.kind.spec().kind, riddle.hidden.location);
     let found = findings.verdict.effects.first();

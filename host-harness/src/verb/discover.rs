@@ -10,8 +10,9 @@ use super::{Common, Failure, Outcome, read_model};
 use crate::discover::findings::{Answer, Findings};
 use crate::discover::{DiscoverError, STEPS, discover_without};
 use crate::interrupt;
+use crate::log::Log;
 use crate::output::OutDir;
-use crate::report;
+use crate::report::{self, Source, quoted};
 
 /// Find, name and add what a model misses in logs of the joint
 ///
@@ -38,6 +39,27 @@ pub struct Args {
     pub anyway: bool,
 }
 
+impl Args {
+    /// Where the report comes from.
+    pub(super) fn source(&self) -> Source {
+        let logs: Vec<String> = self.log.iter().map(|log| quoted(log)).collect();
+        let mut command = format!(
+            "joint discover --model {} --log {} --out {}",
+            quoted(&self.model),
+            logs.join(" "),
+            quoted(&self.out)
+        );
+        if !self.without.is_empty() {
+            let kinds: Vec<&str> = self.without.iter().map(|kind| kind.spec().kind).collect();
+            command += &format!(" --without {}", kinds.join(","));
+        }
+        if self.anyway {
+            command += " --anyway";
+        }
+        Source::new(command, &self.model, &self.log, &self.out)
+    }
+}
+
 /// A kind by its name in model files.
 fn kind(name: &str) -> Result<Kind, String> {
     Kind::from_name(name).ok_or_else(|| {
@@ -59,7 +81,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     interrupt::watch();
     let findings = discover_without(&model, &logs, &args.without, &bar).map_err(failure)?;
     bar.finish_and_clear();
-    write(&out, &findings)?;
+    write(&out, &findings, &logs, &args.source())?;
     let json = serde_json::to_value(&findings.verdict)
         .map_err(|error| Failure::check(error.to_string()))?;
     let text =
@@ -72,13 +94,18 @@ pub(super) fn failure(error: DiscoverError) -> Failure {
     Failure::input(error.to_string())
 }
 
-/// Writes the files of a discovery.
-pub(super) fn write(out: &OutDir, findings: &Findings) -> Result<(), Failure> {
+/// Writes the files of a discovery in these logs.
+pub(super) fn write(
+    out: &OutDir,
+    findings: &Findings,
+    logs: &[Log],
+    source: &Source,
+) -> Result<(), Failure> {
     let verdict = serde_json::to_string_pretty(&findings.verdict)
         .map_err(|error| Failure::check(error.to_string()))?;
     out.write("model.toml", findings.improved.to_toml())?;
     out.write("residuals.csv", report::residuals_csv(findings))?;
-    out.write("report.html", report::html(findings))?;
+    out.write("report.html", report::html(findings, logs, source))?;
     if let Some(experiment) = &findings.experiment {
         out.write("next_experiment.csv", experiment.csv())?;
     }

@@ -8,6 +8,7 @@ use serde_json::{Map, json};
 
 use super::load::read_checked;
 use super::{Common, Failure, Outcome, read_model};
+use crate::discover::findings::ParameterRow;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
@@ -17,13 +18,11 @@ use crate::model::Model;
 use crate::output::OutDir;
 use crate::plant::micro_steps;
 use crate::preflight::LEAST_SAMPLES;
-
-/// A parameter whose uncertainty shrank by less than this is not determined by the log.
-const DETERMINED: f64 = 0.7;
+use crate::report::{self, Refit, Source, quoted};
 
 /// Refit a model to a log, with standard errors and what the log cannot determine
 ///
-/// Writes `model.toml` and `identify.json`.
+/// Writes `model.toml`, `identify.json` and `report.html`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint identify --model arm.toml --log arm.csv --out refit")]
@@ -71,18 +70,38 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
     out.write("model.toml", fit.model.to_toml())?;
     out.write("identify.json", pretty)?;
+    let page = report::refit(
+        &Refit {
+            nominal: &model,
+            refitted: &fit.model,
+            parameters: &rows.iter().map(|row| row.shown.clone()).collect::<Vec<_>>(),
+            timing: timing::told(&record),
+        },
+        &log,
+        &source(args),
+    );
+    out.write("report.html", page)?;
     let said = timing::told(&record).map(|told| format!("{told}\n")).unwrap_or_default();
     let path = out.path().join("model.toml");
     let text = format!("{}{said}model: {}", table(&rows), path.display());
     Ok(Outcome::done(json, text))
 }
 
+/// Where the report comes from.
+fn source(args: &Args) -> Source {
+    let command = format!(
+        "joint identify --model {} --log {} --out {}{}",
+        quoted(&args.model),
+        quoted(&args.log),
+        quoted(&args.out),
+        if args.anyway { " --anyway" } else { "" }
+    );
+    Source::new(command, &args.model, std::slice::from_ref(&args.log), &args.out)
+}
+
 struct Row {
-    key: String,
-    nominal: f64,
-    value: f64,
+    shown: ParameterRow,
     sigma: f64,
-    determined: bool,
 }
 
 fn rows(nominal: &Model, fit: &Fit, covariance: &DMatrix<f64>) -> Vec<Row> {
@@ -90,14 +109,10 @@ fn rows(nominal: &Model, fit: &Fit, covariance: &DMatrix<f64>) -> Vec<Row> {
     parameters
         .filter_map(|(k, coordinate)| {
             let Coordinate::Parameter(quantity) = coordinate else { return None };
-            let value = quantity.get(&fit.model);
             let sigma = covariance[(k, k)].sqrt();
             Some(Row {
-                key: quantity.key(),
-                nominal: quantity.get(nominal),
-                value,
-                sigma: if quantity.is_relative() { sigma * value.abs() } else { sigma },
-                determined: sigma < DETERMINED * quantity.prior_sigma(),
+                shown: ParameterRow::new([nominal, &fit.model, &fit.model], *quantity, sigma),
+                sigma: quantity.sigma_of(&fit.model, sigma),
             })
         })
         .collect()
@@ -106,18 +121,18 @@ fn rows(nominal: &Model, fit: &Fit, covariance: &DMatrix<f64>) -> Vec<Row> {
 fn result(rows: &[Row], fit: &Fit, record: &Record) -> serde_json::Value {
     let parameters: Map<_, _> = rows
         .iter()
-        .map(|row| {
+        .map(|Row { shown, sigma }| {
             let value = json!({
-                "nominal": row.nominal,
-                "value": row.value,
-                "standard_error": row.sigma,
-                "determined": row.determined,
+                "nominal": shown.nominal,
+                "value": shown.improved,
+                "standard_error": sigma,
+                "determined": shown.determined,
             });
-            (row.key.clone(), value)
+            (shown.key.clone(), value)
         })
         .collect();
-    let open: Vec<&str> =
-        rows.iter().filter(|row| !row.determined).map(|row| row.key.as_str()).collect();
+    let open = rows.iter().filter(|row| !row.shown.determined);
+    let open: Vec<&str> = open.map(|row| row.shown.key.as_str()).collect();
     json!({
         "parameters": parameters,
         "not_determined": open,
@@ -135,12 +150,12 @@ fn result(rows: &[Row], fit: &Fit, record: &Record) -> serde_json::Value {
 fn table(rows: &[Row]) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{:44} {:>12} {:>12} {:>10}", "parameter", "nominal", "refitted", "±");
-    for row in rows {
-        let note = if row.determined { "" } else { "  not determined by this log" };
+    for Row { shown, sigma } in rows {
+        let note = if shown.determined { "" } else { "  not determined by this log" };
         let _ = writeln!(
             text,
             "{:44} {:>12.5e} {:>12.5e} {:>10.1e}{note}",
-            row.key, row.nominal, row.value, row.sigma
+            shown.key, shown.nominal, shown.improved, sigma
         );
     }
     text

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use joint_core::effect::Kind;
 use rayon::ThreadPoolBuilder;
 use serde_json::json;
 
@@ -123,17 +124,18 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
     let mut rows = Vec::new();
     for case in &cases {
         bar.set_message(case.case.clone());
-        let (model, logs) = files(set, case);
-        let model = read_model(&model)?;
+        let (path, paths) = files(set, case);
+        let model = read_model(&path)?;
         let logs: Vec<_> =
-            logs.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
+            paths.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
         let withdrawn: Vec<_> = case.withdrawn_kind().into_iter().collect();
         let hidden = indicatif::ProgressBar::hidden();
         let findings = discover_without(&model, &logs, &withdrawn, &hidden).map_err(failure)?;
         if interrupt::asked() {
             break;
         }
-        write(&out.folder(&case.case, common.force)?, &findings)?;
+        let kept = out.folder(&case.case, common.force)?;
+        write(&kept, &findings, &logs, &command(path, paths, &kept, withdrawn).source())?;
         rows.push(row(case, &findings));
         bar.inc(1);
     }
@@ -199,13 +201,26 @@ fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row
     let row = row(&case, &findings);
     if !row.right && !interrupt::asked() {
         let kept = out.folder(&case.case, force)?;
-        kept.write("nominal.toml", nominal.to_toml())?;
+        let model = kept.write("nominal.toml", nominal.to_toml())?;
+        let mut paths = Vec::new();
         for (place, log) in logs.iter().enumerate() {
-            kept.write(&log_name(place), log.to_csv())?;
+            paths.push(kept.write(&log_name(place), log.to_csv())?);
         }
-        write(&kept, &findings)?;
+        paths.truncate(1);
+        let source = command(model, paths, &kept, withdrawn).source();
+        write(&kept, &findings, &logs[..1], &source)?;
     }
     Ok((case, row))
+}
+
+/// What would give a case's answer alone.
+fn command(
+    model: PathBuf,
+    log: Vec<PathBuf>,
+    kept: &OutDir,
+    without: Vec<Kind>,
+) -> super::discover::Args {
+    super::discover::Args { model, log, out: kept.path().to_owned(), without, anyway: true }
 }
 
 /// File of a case's log: the first is what is asked about.
