@@ -34,6 +34,7 @@ use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::noise;
+pub use crate::estimate::refit::LOST;
 use crate::estimate::refit::{self, DOUBTED, cost};
 use crate::interrupt;
 use crate::model::Model;
@@ -48,9 +49,6 @@ const TWINS: u64 = 6;
 pub const LEAST_GAIN: f64 = 60.0;
 /// A gain below which an effect has to make the samples that no fit has seen likelier as well.
 pub const WEAK: f64 = 5.0 * LEAST_GAIN;
-/// Times the expected noise from which on a refitted nominal is lost: no linear step from there
-/// can be believed.
-pub const LOST: f64 = 10.0;
 /// Times the expected noise below which nothing is left to explain.
 pub const CALM: f64 = 1.5;
 /// Most of the noise that a name may leave of a lost base to be followed by another.

@@ -42,6 +42,9 @@ const WORTHWHILE: f64 = 10.0;
 const HELPED: f64 = 0.8;
 /// Times the expected noise from which on a fit tells nothing, but for want of better.
 pub const ADRIFT: f64 = 100.0;
+/// Times the expected noise from which on a refitted nominal is lost: no linear step from there can be
+/// believed.
+pub const LOST: f64 = 10.0;
 /// Times the expected noise from which on a fit is doubted: no right model needs more.
 pub const DOUBTFUL: f64 = 2.2;
 /// The same of a model with effects that were found, whose laws may be slightly other than the joint's.

@@ -10,7 +10,7 @@ use joint_core::joint::Drive;
 use super::fit::Fit;
 use super::noise;
 use super::record::{Channel, Record};
-use super::refit::{DOUBTED, cost};
+use super::refit::{LOST, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -19,7 +19,7 @@ pub const LEAST: f64 = 60.0;
 
 /// Fits a record of which neither is known what its current, where that is the input, was, nor whether its
 /// output feels a disturbance of its own. A filter that takes the last mass to feel nothing believes the
-/// equation there to an encoder's step, and bends all others to it: where such a fit is doubted and the other
+/// equation there to an encoder's step, and bends all others to it: where such a fit is lost and the other
 /// one is likelier by far, that one is taken.
 ///
 /// # Errors
@@ -34,7 +34,7 @@ pub fn asked(
     let own = model.load.inertia_kg_m2 + model.stages.last().map_or(0.0, |it| it.inertia_kg_m2);
     // On a mass that nobody knows a torque noise would be the encoder's.
     let looked_behind = !model.stages.is_empty() && own > 0.0 && record.has(Channel::Output);
-    if !looked_behind || first.noise.times(&noise::expected(model, record)) <= DOUBTED {
+    if !looked_behind || first.noise.times(&noise::expected(model, record)) <= LOST {
         return Ok(plain);
     }
     let disturbed = timed(Record { lead_s: 0.0, ..record.disturbed() }, &fit)?;
