@@ -63,7 +63,8 @@ impl<'a> Bases<'a> {
             deepest.max(deflection(stage, 8.0 * torque / shaft) / shaft)
         });
         let mut angle = speed * step;
-        while angle < deepest / 16.0 {
+        // Parameters whose product leaves double precision have no unit.
+        while angle > 0.0 && angle < deepest / 16.0 {
             angle *= 2.0;
         }
         Self { torque, speed, angle, current, ..si }

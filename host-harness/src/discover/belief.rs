@@ -100,7 +100,7 @@ pub(super) fn is_moved(torque_nm: f64, model: &Model, record: &Record) -> bool {
     };
     // Of a winding without a resistance nothing is known.
     let most = MOST_TORQUE * motor.torque_constant_nm_per_a * largest;
-    !(torque_nm.abs() > most)
+    most.is_nan() || torque_nm.abs() <= most
 }
 
 /// Whether an effect is a line along the rotor of which the record holds no whole period: any slow course.

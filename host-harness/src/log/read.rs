@@ -50,6 +50,10 @@ impl Log {
     }
 }
 
+/// Most bytes of a log's or recording's text, decompressed: of 10 million rows and ten columns. It is held
+/// in memory, and its numbers beside it.
+const MOST_BYTES: u64 = 1 << 30;
+
 /// The bytes of a file, decompressed where its content says that it is compressed.
 ///
 /// # Errors
@@ -58,13 +62,19 @@ pub(crate) fn unpacked(path: &Path) -> Result<Vec<u8>, InputError> {
     let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
     let mut raw = BufReader::new(File::open(path).map_err(unreadable)?);
     let mut bytes = Vec::new();
+    let most = MOST_BYTES + 1;
     if raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]) {
-        flate2::bufread::MultiGzDecoder::new(raw).read_to_end(&mut bytes).map_err(|error| {
+        let unpacking = flate2::bufread::MultiGzDecoder::new(raw);
+        unpacking.take(most).read_to_end(&mut bytes).map_err(|error| {
             InputError::new(path, format!("cannot be decompressed: {error}"))
                 .help("the .gz file is cut short or damaged; compress it again")
         })?;
     } else {
-        raw.read_to_end(&mut bytes).map_err(unreadable)?;
+        raw.take(most).read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(InputError::new(path, "has more than 1 GiB of text")
+            .help("cut it into several logs; some seconds of motion tell as much"));
     }
     Ok(bytes)
 }
