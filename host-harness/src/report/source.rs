@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use sha2::{Digest, Sha256};
 
+use crate::output::OutDir;
 use crate::plot::text::escape;
 
 /// A file as it was read.
@@ -18,9 +19,10 @@ pub struct File {
 }
 
 impl File {
-    /// A file's path and hash; without a hash where it can no longer be read.
-    pub fn read(path: &Path) -> Self {
-        let hash = std::fs::read(path).map_or(String::new(), |bytes| sha256(&bytes));
+    /// A file's path and hash; without a hash where it can no longer be read. It may wait in a folder of
+    /// results for its place.
+    fn read(path: &Path, out: &OutDir) -> Self {
+        let hash = std::fs::read(out.readable(path)).map_or(String::new(), |bytes| sha256(&bytes));
         Self { path: path.to_owned(), sha256: hash }
     }
 }
@@ -49,13 +51,13 @@ pub struct Source {
 
 impl Source {
     /// Of a model, logs and a folder, now.
-    pub fn new(command: String, model: &Path, logs: &[PathBuf], out: &Path) -> Self {
-        let text = std::fs::read_to_string(model).unwrap_or_default();
+    pub fn new(command: String, model: &Path, logs: &[PathBuf], out: &OutDir) -> Self {
+        let text = std::fs::read_to_string(out.readable(model)).unwrap_or_default();
         Self {
             command,
-            model: File::read(model),
-            logs: logs.iter().map(|log| File::read(log)).collect(),
-            out: out.to_owned(),
+            model: File::read(model, out),
+            logs: logs.iter().map(|log| File::read(log, out)).collect(),
+            out: out.path().to_owned(),
             date: now(),
             assumed: assumed(&text),
         }

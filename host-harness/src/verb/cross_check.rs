@@ -60,12 +60,13 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
             let text = serde_json::to_string_pretty(&random)
                 .map_err(|error| Failure::check(error.to_string()))?;
             out.write("random.json", text)?;
+            out.finish()?;
         }
         let text = random.to_string();
         return Ok(Outcome::done(json!(random), text));
     }
     if let (Some(model), Some(log)) = (&args.model, &args.log) {
-        return along(model, log, out.as_ref(), common);
+        return along(model, log, out, common);
     }
     let model = scenario::paper();
     let bar = common.progress(scenario::ALL.len() as u64, "scenarios");
@@ -83,6 +84,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         out.write("pareto.json", text)?;
         out.write("pareto.svg", picture(&[pareto::plot(&points)]))?;
         out.write("cross-check.html", check.page(&points))?;
+        out.finish()?;
     }
     let json = json!({
         "passed": check.passed(), "rows": check.rows, "broken": check.broken(), "speed": check.speed,
@@ -94,7 +96,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
 fn along(
     model: &Path,
     log: &Path,
-    out: Option<&OutDir>,
+    out: Option<OutDir>,
     common: &Common,
 ) -> Result<Outcome, Failure> {
     let failed = |error: CrossCheckError| Failure::check(format!("{}: {error}", model.display()));
@@ -109,6 +111,7 @@ fn along(
         let rows = serde_json::to_string_pretty(&check.rows)
             .map_err(|error| Failure::check(error.to_string()))?;
         out.write("cross-check.json", rows)?;
+        out.finish()?;
     }
     let json = json!({"passed": check.passed(), "rows": check.rows, "broken": check.broken()});
     Ok(Outcome { json, text: check.to_string(), passed: check.passed() })

@@ -43,8 +43,10 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let log = out.write("log.csv", riddle.log.to_csv())?;
     let nominal = out.write("nominal.toml", riddle.nominal.to_toml())?;
     let command = format!("joint demo --seed {seed} --out {}", quoted(&args.out));
-    let source = Source::new(command, &nominal, &[log], out.path());
+    let source = Source::new(command, &nominal, &[log], &out);
     write(&out, &findings, std::slice::from_ref(&riddle.log), &source)?;
+    let report = out.path().join("report.html");
+    out.finish()?;
 
     let hidden = format!("{} ({})", riddle.hidden.kind.spec().kind, riddle.hidden.location);
     let found = findings.verdict.effects.first();
@@ -53,7 +55,6 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
             && named.location == riddle.hidden.location.to_string()
     });
     let gap = &findings.verdict.gap;
-    let report = out.path().join("report.html");
     let text = format!(
         "seed {seed}: a joint was simulated by the reference with something hidden in it, and discovery was given the log and a nominal model that is wrong in every parameter.\n\n{}\n\nhidden was: {hidden}; {}\ngap: {:.2} before, {:.2} after, {:.2} is noise\nreport: {}",
         summary(&findings),

@@ -41,7 +41,7 @@ pub struct Args {
 
 impl Args {
     /// Where the report comes from.
-    pub(super) fn source(&self) -> Source {
+    pub(super) fn source(&self, out: &OutDir) -> Source {
         let logs: Vec<String> = self.log.iter().map(|log| quoted(log)).collect();
         let mut command = format!(
             "joint discover --model {} --log {} --out {}",
@@ -56,7 +56,7 @@ impl Args {
         if self.anyway {
             command += " --anyway";
         }
-        Source::new(command, &self.model, &self.log, &self.out)
+        Source::new(command, &self.model, &self.log, out)
     }
 }
 
@@ -68,24 +68,30 @@ fn kind(name: &str) -> Result<Kind, String> {
     })
 }
 
+/// Files of a discovery.
+const FILES: [&str; 5] =
+    ["model.toml", "residuals.csv", "report.html", "next_experiment.csv", "verdict.json"];
+
 /// Runs the verb.
 ///
 /// # Errors
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let out = OutDir::new(&args.out, common.force)?
+        .apart_from(args.log.iter().chain([&args.model]), &FILES)?;
     let model = read_model(&args.model)?;
     let checked = |path: &PathBuf| read_checked(path, (&args.model, &model), args.anyway);
     let logs: Vec<_> = args.log.iter().map(checked).collect::<Result<_, _>>()?;
-    let out = OutDir::new(&args.out, common.force)?;
     let bar = common.progress(STEPS, "discover");
     interrupt::watch();
     let findings = discover_without(&model, &logs, &args.without, &bar).map_err(failure)?;
     bar.finish_and_clear();
-    write(&out, &findings, &logs, &args.source())?;
+    write(&out, &findings, &logs, &args.source(&out))?;
+    let report = out.path().join("report.html");
+    out.finish()?;
     let json = serde_json::to_value(&findings.verdict)
         .map_err(|error| Failure::check(error.to_string()))?;
-    let text =
-        format!("{}\nreport: {}", summary(&findings), out.path().join("report.html").display());
+    let text = format!("{}\nreport: {}", summary(&findings), report.display());
     Ok(Outcome::done(json, text))
 }
 

@@ -88,7 +88,7 @@ impl Args {
 /// # Errors
 /// A model that cannot be read or expressed, or a file that cannot be written.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?;
+    let out = OutFile::new(&args.out, common.force)?.apart_from([&args.model])?;
     let model = read_model(&args.model)?;
     let refused = |error| Failure::input(format!("{}: {error}", args.model.display()));
     let (contents, more) = contents(args, &model).map_err(refused)?;

@@ -46,9 +46,10 @@ pub struct Args {
 /// # Errors
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
+    let out = OutDir::new(&args.out, common.force)?
+        .apart_from([&args.model, &args.log], &["model.toml", "identify.json", "report.html"])?;
     let model = read_model(&args.model)?;
     let log = read_checked(&args.log, (&args.model, &model), args.anyway)?;
-    let out = OutDir::new(&args.out, common.force)?;
     if log.len() < LEAST_SAMPLES {
         let (log, samples) = (args.log.display(), log.len());
         return Err(Failure::input(format!(
@@ -78,17 +79,18 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
             timing: timing::told(&record),
         },
         &log,
-        &source(args),
+        &source(args, &out),
     );
     out.write("report.html", page)?;
     let said = timing::told(&record).map(|told| format!("{told}\n")).unwrap_or_default();
     let path = out.path().join("model.toml");
+    out.finish()?;
     let text = format!("{}{said}model: {}", table(&rows), path.display());
     Ok(Outcome::done(json, text))
 }
 
 /// Where the report comes from.
-fn source(args: &Args) -> Source {
+fn source(args: &Args, out: &OutDir) -> Source {
     let command = format!(
         "joint identify --model {} --log {} --out {}{}",
         quoted(&args.model),
@@ -96,7 +98,7 @@ fn source(args: &Args) -> Source {
         quoted(&args.out),
         if args.anyway { " --anyway" } else { "" }
     );
-    Source::new(command, &args.model, std::slice::from_ref(&args.log), &args.out)
+    Source::new(command, &args.model, std::slice::from_ref(&args.log), out)
 }
 
 struct Row {

@@ -125,8 +125,9 @@ fn read_map(path: &Path) -> Result<(Map, Settings), InputError> {
 /// # Errors
 /// A recording or a map that cannot be read, or a file that cannot be written.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?;
-    let save = args.save_map.as_ref().map(|path| OutFile::new(path, common.force)).transpose()?;
+    let file = |path: &PathBuf| OutFile::new(path, common.force)?.apart_from([&args.raw]);
+    let out = file(&args.out)?;
+    let save = args.save_map.as_ref().map(file).transpose()?;
     let (map, settings) = args.map()?;
     let bar = common.progress(0, "reading");
     let text = text::read(&args.raw)?;

@@ -55,7 +55,8 @@ pub struct Args {
 /// # Errors
 /// A file that cannot be read or written, or a model or block that cannot be observed.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?;
+    let inputs = [Some(&args.log), args.model.as_ref(), args.block.as_ref()];
+    let out = OutFile::new(&args.out, common.force)?.apart_from(inputs.into_iter().flatten())?;
     let (name, text, samples) = match (&args.block, &args.model) {
         (Some(block), _) => in_drive(args, block, common)?,
         (None, Some(model)) => designed(args, model, common)?,

@@ -81,6 +81,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         }
     }
     let path = out.write("observe-bench.json", pretty)?;
+    out.finish()?;
     Ok(Outcome::done(json, format!("{}{}", table(&cases), path.display())))
 }
 

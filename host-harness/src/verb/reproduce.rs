@@ -43,6 +43,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         out.write("reproduce.html", reproduce::page(&numbers, &figures))?;
         out.write("claim.json", text(serde_json::to_string_pretty(&runs.claim))?)?;
         out.write("reproduce.json", text(serde_json::to_string_pretty(&numbers))?)?;
+        out.finish()?;
     }
     Ok(Outcome::done(json!({ "numbers": numbers, "claim": runs.claim }), table(&numbers)))
 }

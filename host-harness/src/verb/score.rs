@@ -109,6 +109,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let pretty =
         serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
     out.write("score.json", pretty)?;
+    out.finish()?;
     Ok(Outcome::done(json, table(&rows, &summary)))
 }
 
@@ -135,7 +136,8 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
             break;
         }
         let kept = out.folder(&case.case, common.force)?;
-        write(&kept, &findings, &logs, &command(path, paths, &kept, withdrawn).source())?;
+        write(&kept, &findings, &logs, &command(path, paths, &kept, withdrawn).source(&kept))?;
+        kept.finish()?;
         rows.push(row(case, &findings));
         bar.inc(1);
     }
@@ -207,8 +209,9 @@ fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row
             paths.push(kept.write(&log_name(place), log.to_csv())?);
         }
         paths.truncate(1);
-        let source = command(model, paths, &kept, withdrawn).source();
+        let source = command(model, paths, &kept, withdrawn).source(&kept);
         write(&kept, &findings, &logs[..1], &source)?;
+        kept.finish()?;
     }
     Ok((case, row))
 }

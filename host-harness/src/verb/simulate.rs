@@ -72,7 +72,7 @@ pub enum Method {
 /// # Errors
 /// A file that cannot be read or written, or a model that cannot be run.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?;
+    let out = OutFile::new(&args.out, common.force)?.apart_from([&args.model, &args.input])?;
     let model = read_model(&args.model)?;
     let log = read_log(&args.input, Need::Drive)?;
     let (inputs, missing) = match args.method {

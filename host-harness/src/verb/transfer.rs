@@ -36,7 +36,10 @@ pub struct Args {
 /// # Errors
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = args.out.as_ref().map(|out| OutDir::new(out, common.force)).transpose()?;
+    let apart =
+        |out: OutDir| out.apart_from(args.model.iter().chain(&args.log), &["transfer.json"]);
+    let out = args.out.as_ref().map(|out| OutDir::new(out, common.force).and_then(apart));
+    let out = out.transpose()?;
     let models: Vec<_> =
         args.model.iter().map(|path| read_model(path)).collect::<Result<_, _>>()?;
     let bar = common.progress((args.model.len() * args.log.len()) as u64, "free runs");
@@ -64,6 +67,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         let pretty = serde_json::to_string_pretty(&json)
             .map_err(|error| Failure::check(error.to_string()))?;
         let path = out.write("transfer.json", pretty)?;
+        out.finish()?;
         let _ = write!(text, "{}", path.display());
     }
     Ok(Outcome::done(json, text.trim_end()))
