@@ -130,7 +130,10 @@ fn a_folder_of_results_survives_every_kill() {
         let mut names: Vec<_> =
             fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         names.sort();
-        assert_eq!(names, [".joint-files", "identify.json", "model.toml", "notes.txt"]);
+        assert_eq!(
+            names,
+            [".joint-files", "identify.json", "model.toml", "notes.txt", "report.html"]
+        );
     }
     println!("{kills} of {KILLS_OF_FOLDERS} runs died");
     assert!(kills > KILLS_OF_FOLDERS / 4);
