@@ -4,8 +4,8 @@
 //! more: its stamp, which jitters by a part of an interval, moves it by its speed. Over a few samples a shaft
 //! moves along a polynomial, and scatter does not: divided differences of order k leave of smooth motion
 //! nothing, and of white scatter of one sigma, weighted to a length of one, one sigma (von Neumann et al.,
-//! Ann. Math. Stat. 12, 1941, for differences of order one). The order at which least is left is taken. What
-//! motion leaves there is taken for scatter, so that the estimate is one from above.
+//! Ann. Math. Stat. 12, 1941, for differences of order one). Of motion every order leaves less than the one
+//! before, of white scatter as much: where no order comes to that, the readings do not tell.
 //!
 //! Its variance is that of the encoder and that of the clock, `s² + (τ v)²` at a speed v, by maximum likelihood.
 
@@ -18,6 +18,9 @@ const MOST: usize = 20_000;
 const FEWEST: usize = 100;
 /// Rounds of the likelihood's maximum.
 const ROUNDS: usize = 100;
+/// Share of its variance that the next order leaves of white scatter at least: of motion at half the highest
+/// frequency it leaves half.
+const WHITE: f64 = 0.9;
 /// A square beyond so many times its variance counts as that: a reading that is plainly wrong is not noise.
 const OUTLIER: f64 = 25.0;
 
@@ -42,7 +45,9 @@ impl Scatter {
         step_rad: f64,
     ) -> Option<Self> {
         let windows = ORDERS.filter_map(|order| Windows::of(order, time_s, angle_rad, starts));
-        let best = windows.min_by(|a, b| a.mean().total_cmp(&b.mean()))?;
+        let windows: Vec<Windows> = windows.collect();
+        let white = windows.windows(2).find(|pair| pair[1].mean() > WHITE * pair[0].mean());
+        let best = &white?[1];
         let moving = best.moving(step_rad);
         if moving.squares.len() < FEWEST {
             return None;
@@ -50,7 +55,7 @@ impl Scatter {
         let (least, witnesses) = (step_rad * step_rad / 12.0, moving.witnesses());
         let plain = moving.fitted(least, false);
         let jittered = moving.fitted(least, true);
-        let gain = (moving.deviance(plain) - moving.deviance(jittered)) / (order_of(&best) + 1.0);
+        let gain = (moving.deviance(plain) - moving.deviance(jittered)) / (best.order as f64 + 1.0);
         let [encoder, clock] = jittered;
         // A clock whose jitter is less than what the encoder adds changes no weight by much.
         let most = clock * moving.mean_square_speed() > encoder;
@@ -68,10 +73,6 @@ impl Scatter {
 /// What one number more must gain of minus twice the log-likelihood (Schwarz, Ann. Stat. 6, 1978).
 fn bound(witnesses: f64) -> f64 {
     witnesses.ln()
-}
-
-fn order_of(windows: &Windows) -> f64 {
-    windows.order as f64
 }
 
 /// Squares of differences over windows, and what moved there.

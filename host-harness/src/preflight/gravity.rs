@@ -40,7 +40,7 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::made::of;
     use super::*;
     use crate::demo::actuator;
@@ -50,7 +50,7 @@ mod tests {
     use joint_core::joint::Drive;
 
     /// An actuator without a gear, its current and its angle, over several turns to and fro.
-    fn swinging(gravity_nm: f64) -> (Model, Log) {
+    pub(in super::super) fn swinging(gravity_nm: f64) -> (Model, Log) {
         let mut model = actuator();
         model.stages.clear();
         model.load.inertia_kg_m2 = 2e-3;

@@ -34,21 +34,19 @@ fn weight(case: &Case<'_>) -> Option<EffectParameters> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made::actuator_and_log;
+    use super::super::gravity::tests::swinging;
     use super::*;
-    use crate::synthetic::{Experiment, record};
 
     #[test]
     fn a_weight_is_measured_where_one_hangs() {
-        let (model, log) = actuator_and_log();
-        assert_eq!(measured(&model, &[log]), []);
-        let mut heavy = model.clone();
-        heavy.load.gravity_nm = 0.5;
-        let log = record(&heavy, &Experiment::clean(4.0), 3).unwrap();
-        let found = measured(&model, &[log]);
-        let [weight] = &found[..] else { panic!("{found:?}") };
-        assert_eq!((weight.kind, weight.location), (Kind::Gravity, Location::Output));
+        let [none, heavy] = [0.0, 0.1].map(|weight| {
+            let (model, log) = swinging(weight);
+            measured(&model, &[log])
+        });
+        assert_eq!(none, []);
+        let [weight] = &heavy[..] else { panic!("{heavy:?}") };
+        assert_eq!((weight.kind, weight.location), (Kind::Gravity, Location::Motor));
         // Bristles bias a regression that takes friction for a sign: 5 %.
-        assert!((weight.values[0] / 0.5 - 1.0).abs() < 0.05, "{weight:?}");
+        assert!((weight.values[0] / 0.1 - 1.0).abs() < 0.05, "{weight:?}");
     }
 }
