@@ -3,24 +3,13 @@
 //! The table stands in `snapshots/bad-inputs.txt`, where a change of wording shows in a diff. To write it
 //! anew, run this test with `JOINT_SNAPSHOT=write`.
 
+mod common;
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-const MODEL: &str = "[motor]
-phase_resistance_ohm = 0.5
-phase_inductance_h = 1e-4
-torque_constant_nm_per_a = 0.1
-rotor_inertia_kg_m2 = 1e-5
-[motor.friction]
-sigma0_nm_per_rad = 10
-sigma1_nm_s_per_rad = 0.01
-coulomb_nm = 0.01
-[[stage]]
-reduction = 10
-inertia_kg_m2 = 1e-3
-stiffness_nm_per_rad = 300
-";
+use common::MODEL;
 
 /// A log of so many samples of a joint that swings, at 200 µs.
 fn log(samples: usize) -> String {

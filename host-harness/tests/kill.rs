@@ -1,11 +1,14 @@
 //! Runs that are killed at any moment, and disks that are full: the earlier result is whole, and the new
 //! one whole or absent.
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use common::MODEL;
 use host_harness::output::OutDir;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,17 +16,6 @@ use rand_chacha::ChaCha8Rng;
 /// Kills of runs that write a file, and of runs that write a folder.
 const KILLS_OF_FILES: usize = 160;
 const KILLS_OF_FOLDERS: usize = 40;
-
-const MODEL: &str = "[motor]
-phase_resistance_ohm = 0.5
-phase_inductance_h = 1e-4
-torque_constant_nm_per_a = 0.1
-rotor_inertia_kg_m2 = 1e-5
-[motor.friction]
-sigma0_nm_per_rad = 10
-sigma1_nm_s_per_rad = 0.01
-coulomb_nm = 0.01
-";
 
 fn joint(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_joint"));
@@ -64,8 +56,9 @@ fn log(samples: usize) -> String {
 fn inputs() -> (tempfile::TempDir, PathBuf) {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path().to_owned();
-    fs::write(folder.join("a.toml"), MODEL).unwrap();
-    fs::write(folder.join("b.toml"), MODEL.replace("= 1e-5", "= 2e-5")).unwrap();
+    let motor = MODEL.split("[[stage]]").next().unwrap();
+    fs::write(folder.join("a.toml"), motor).unwrap();
+    fs::write(folder.join("b.toml"), motor.replace("= 1e-5", "= 2e-5")).unwrap();
     fs::write(folder.join("log.csv"), log(2000)).unwrap();
     (temporary, folder)
 }

@@ -333,26 +333,6 @@ impl Friction {
         self.coulomb_nm + self.stribeck_nm
     }
 
-    /// Speed, rad/s, up to which friction is passive: never gives back more than its bristles have stored,
-    /// however the speed moves. Infinite where that holds at every speed.
-    ///
-    /// With `s = σ0 |z|/g(v)` the law takes `σ1 v² (1 − s) + g s² |v| + σ2 v²` beside what it stores, and s is
-    /// at most `g_max/g_min`: never negative where `σ1 (g_max/g_min − 1) ≤ σ2`, and up to `|v| = 4 g_min/σ1`.
-    /// Beyond, bristles that were bent at a high level and are let go within their reach give back more.
-    /// Source: N. Barabanov and R. Ortega, "Necessary and sufficient conditions for passivity of the LuGre
-    /// friction model", IEEE Trans. Autom. Control 45(4), 2000.
-    pub fn passive_to_rad_per_s(&self) -> f64 {
-        let [least, most] = match self.breakaway_nm() < self.coulomb_nm {
-            true => [self.breakaway_nm(), self.coulomb_nm],
-            false => [self.coulomb_nm, self.breakaway_nm()],
-        };
-        let sigma1 = self.sigma1_nm_s_per_rad;
-        if sigma1 * (most - least) <= self.sigma2_nm_s_per_rad * least {
-            return f64::INFINITY;
-        }
-        4.0 * least / sigma1
-    }
-
     fn validate(&self, check: Check) -> Result<(), ParameterError> {
         check.not_negative("sigma0_nm_per_rad", self.sigma0_nm_per_rad)?;
         check.not_negative("sigma1_nm_s_per_rad", self.sigma1_nm_s_per_rad)?;

@@ -9,7 +9,6 @@ use std::time::Instant;
 
 use indicatif::ProgressBar;
 use joint_core::effect::{EffectParameters, Kind};
-use joint_core::joint::Drive;
 use joint_core::params::Location;
 use nalgebra::DMatrix;
 
@@ -17,13 +16,14 @@ use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::evidence::{Unseen, Weighed, cannot_tell};
 use super::experiment::{Experiment, experiment};
-use super::findings::{Answer, Findings, Gap, Named, NoiseRow, ParameterRow, Verdict, Whereabouts};
+use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
 use super::proportion::{answered, keep_borne_out, possible, weighed};
 use super::reasons::reasons;
+use super::rows::{noise_rows, parameter_rows};
 use super::search::Search;
 use super::timing::search_timed;
 use super::undecided::undecided;
@@ -433,66 +433,6 @@ fn sizes(
         }
     }
     (parameters, errors)
-}
-
-fn parameter_rows(
-    nominal: &Model,
-    before: &Fit,
-    after: &Fit,
-    covariance: &DMatrix<f64>,
-) -> Vec<ParameterRow> {
-    after
-        .coordinates
-        .iter()
-        .enumerate()
-        .filter_map(|(k, coordinate)| match coordinate {
-            Coordinate::Parameter(quantity) => {
-                let models = [nominal, &before.model, &after.model];
-                Some(ParameterRow::new(models, *quantity, covariance[(k, k)].sqrt()))
-            }
-            _ => None,
-        })
-        .collect()
-}
-
-fn noise_rows(found: &Search, record: &Record) -> Vec<NoiseRow> {
-    let (before, after) = (&found.before.fit.noise, &found.after.fit.noise);
-    let mut rows = vec![NoiseRow {
-        name: "rotor torque",
-        unit: "Nm",
-        expected: found.expected.torque,
-        before: before.torque,
-        after: after.torque,
-    }];
-    if found.expected.output > 0.0 {
-        rows.push(NoiseRow {
-            name: "output torque at the motor",
-            unit: "Nm",
-            expected: found.expected.output,
-            before: before.output,
-            after: after.output,
-        });
-    }
-    if record.drive == Drive::Voltage {
-        rows.push(NoiseRow {
-            name: "voltage",
-            unit: "V",
-            expected: found.expected.drive,
-            before: before.drive,
-            after: after.drive,
-        });
-    }
-    for channel in Channel::ALL.into_iter().filter(|channel| record.has(*channel)) {
-        let c = channel as usize;
-        rows.push(NoiseRow {
-            name: channel.column(),
-            unit: if channel == Channel::Current { "A" } else { "rad" },
-            expected: found.expected.sensors[c],
-            before: before.sensors[c],
-            after: after.sensors[c],
-        });
-    }
-    rows
 }
 
 /// Innovations for show: NaN where nothing is measured.

@@ -98,9 +98,9 @@ pub(super) fn is_moved(torque_nm: f64, model: &Model, record: &Record) -> bool {
         }
         (_, current) => current,
     };
-    // Of a winding without a resistance nothing is known.
     let most = MOST_TORQUE * motor.torque_constant_nm_per_a * largest;
-    most.is_nan() || torque_nm.abs() <= most
+    // A drive that rests, or a winding without a resistance, does not tell.
+    most.is_nan() || most == 0.0 || torque_nm.abs() <= most
 }
 
 /// Whether an effect is a line along the rotor of which the record holds no whole period: any slow course.
@@ -186,5 +186,33 @@ mod tests {
         };
         assert!(delay(1e-3, false) && delay(-1e-3, true));
         assert!(!delay(-1e-3, false));
+    }
+
+    #[test]
+    fn no_amplitude_is_believed_that_the_drive_could_not_move_or_an_encoder_not_show() {
+        let pull = |torque: f64| {
+            let gravity = EffectParameters::new(Kind::Gravity, Location::Motor);
+            believed(gravity.with("amplitude_nm", torque), false)
+        };
+        // The largest current is 1 A.
+        let most = MOST_TORQUE * actuator().motor.torque_constant_nm_per_a;
+        assert!(pull(0.9 * most) && pull(-0.9 * most) && !pull(1.1 * most) && !pull(1e13));
+        let off = |radians: f64| {
+            let encoder = EffectParameters::new(Kind::EncoderEccentricity, Location::Encoder);
+            believed(encoder.with("amplitude_rad", radians).with("order", 1.0), false)
+        };
+        // Of one turn.
+        assert!(off(0.2) && !off(0.3 * TAU));
+    }
+
+    #[test]
+    fn a_drive_that_rests_does_not_tell_what_it_could_move() {
+        let log = Log {
+            time_s: (0..400).map(|k| f64::from(k) * 1e-3).collect(),
+            voltage_v: Some(vec![0.0; 400]),
+            motor_angle_rad: (0..400).map(|k| f64::from(k) * 1e-2).collect(),
+            ..Log::default()
+        };
+        assert!(is_moved(5.0, &actuator(), &Record::new(&log, None)));
     }
 }

@@ -56,3 +56,39 @@ fn begun(problem: Problem<'_>, search: &Search, effect: &EffectParameters) -> Op
     let own = proposed.into_iter().find(|it| it.name() == (effect.kind, effect.location))?;
     Some(Hypothesis { start: *effect, ..own })
 }
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::Kind;
+    use joint_core::params::Location;
+
+    use super::super::trial;
+    use super::*;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn a_measured_weight_is_taken_where_one_hangs_and_a_withdrawn_one_is_not() {
+        let nominal = trial::motor();
+        let weight = |torque: f64| {
+            let gravity = EffectParameters::new(Kind::Gravity, Location::Motor);
+            gravity.with("amplitude_nm", torque).with("phase_rad", 0.3)
+        };
+        let record = Record::new(&trial::log(&nominal, weight(0.02), 4.0), None);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let base = trial::fitted(&problem, &nominal, &[]);
+        let found = |withdrawn: &[Kind]| {
+            let mut search = Search::new(base.clone(), withdrawn, expected);
+            add_measured(problem, &mut search, &[weight(0.015)]).unwrap();
+            search
+        };
+        assert!(found(&[Kind::Gravity]).rounds.is_empty());
+        let search = found(&[]);
+        assert_eq!(search.rounds[0].name, (Kind::Gravity, Location::Motor));
+        assert_eq!(search.measured, [search.rounds[0].name]);
+        let torque = search.after.fit.model.effects[0].values[0];
+        assert!((torque / 0.02 - 1.0).abs() < 0.05, "{torque}");
+    }
+}

@@ -32,6 +32,7 @@ mod proportion;
 pub mod protected;
 mod reasons;
 mod rival;
+mod rows;
 pub mod score_test;
 pub mod search;
 mod settle;

@@ -100,3 +100,45 @@ fn shift(measured: &mut [[f64; CHANNELS]], record: &Record, c: usize, samples: i
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::EffectParameters;
+
+    use super::*;
+    use crate::demo::actuator;
+    use crate::estimate::filter::Observer;
+    use crate::log::Log;
+    use crate::plant::{Layout, plant};
+
+    #[test]
+    fn a_filter_knows_that_a_late_channel_shows_the_speed() {
+        let mut model = actuator();
+        let late = EffectParameters::new(Kind::SensorDelay, Location::OutputEncoder);
+        // A whole sample is shifted, what is left of it shows the speed, as the middle of an interval does.
+        model.effects.push(late.with("delay_s", 1.3e-3));
+        let log = Log {
+            time_s: (0..300).map(|k| f64::from(k) * 1e-3).collect(),
+            current_a: Some(vec![0.1; 300]),
+            motor_angle_rad: vec![0.0; 300],
+            output_angle_rad: Some(vec![0.0; 300]),
+            ..Log::default()
+        };
+        let record = Record::new(&log, None).centred();
+        let plant = plant(&model, &record.grid, record.drive).unwrap();
+        let observer = Observer::new(&model, &*plant, &record);
+        let layout = Layout::of(&model);
+        let mut row = vec![0.0; layout.len()];
+        let shown = |channel, state: usize, value: f64| {
+            let mut x = vec![0.0; layout.len()];
+            x[state] = value;
+            observer.shown(channel, &x, &[])
+        };
+        for (channel, mass) in [(Channel::Motor, 0), (Channel::Output, layout.stages)] {
+            observer.sensitivity(channel, &[], &mut row);
+            let speed = layout.speed(mass);
+            let slope = shown(channel, speed, 1.0) - shown(channel, speed, 0.0);
+            assert!(slope != 0.0 && (row[speed] - slope).abs() < 1e-12, "{channel:?} {slope}");
+        }
+    }
+}

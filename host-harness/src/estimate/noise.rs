@@ -1,12 +1,10 @@
 //! How much of a record's scatter is noise: what the sensors add, and what the joint really felt.
 //!
-//! Sensor noise comes from the model's `[sensor]` table where it says so, and from an encoder's readings
-//! where they scatter by more. The rest is found by
-//! maximum likelihood, with an expectation: a supply that is quiet to some 0.2 % of the largest
-//! voltage, a friction torque that scatters by some 2 % of its breakaway level (on the rotor, and on the last
-//! mass where a record asks for it), and as much as its
-//! sensor's noise makes where a current is the input. The expectation keeps a missing effect from being
-//! declared noise.
+//! Sensor noise comes from the model's `[sensor]` table where it says so, and from an encoder's readings where
+//! they scatter by more. The rest is found by maximum likelihood, with an expectation: a supply that is quiet to
+//! some 0.2 % of the largest voltage, a friction torque that scatters by some 2 % of its breakaway level (on the
+//! rotor, and on the last mass where a record asks for it), and as much as its sensor's noise makes where a
+//! current is the input. The expectation keeps a missing effect from being declared noise.
 
 use std::borrow::Cow;
 

@@ -194,23 +194,6 @@ impl Record {
         }
     }
 
-    /// Finds what the encoders and their clock scatter by.
-    fn ask_encoders(&mut self) {
-        for channel in [Channel::Motor, Channel::Output] {
-            let c = channel as usize;
-            let angles: Vec<f64> = self.measured.iter().map(|row| row[c]).collect();
-            let found = Scatter::of(&self.time_s, &angles, &self.starts, self.digit(channel));
-            self.scatter[c] = found;
-            let Some(jitter_s) = found.map(|it| it.jitter_s).filter(|jitter| *jitter > 0.0) else {
-                continue;
-            };
-            self.jitter.resize(angles.len(), [0.0; CHANNELS]);
-            for (k, row) in self.jitter.iter_mut().enumerate() {
-                row[c] = (jitter_s * self::speed(&self.time_s, &angles, k)).powi(2);
-            }
-        }
-    }
-
     /// A record of at most so many samples: whole if it is short enough, else stretches spread evenly
     /// over it.
     pub fn thinned(self, most: usize) -> Self {
@@ -324,7 +307,7 @@ impl Record {
     }
 
     /// Smallest change that a channel shows.
-    fn digit(&self, channel: Channel) -> f64 {
+    pub(super) fn digit(&self, channel: Channel) -> f64 {
         let steps = self
             .measured
             .windows(2)
@@ -332,13 +315,6 @@ impl Record {
         let smallest = steps.filter(|step| *step > 1e-12).fold(f64::INFINITY, f64::min);
         if smallest.is_finite() { smallest } else { 1e-6 }
     }
-}
-
-/// Speed at a sample, from its neighbours; zero where they are not known.
-fn speed(time_s: &[f64], angle_rad: &[f64], k: usize) -> f64 {
-    let (before, after) = (k.saturating_sub(2), (k + 2).min(time_s.len() - 1));
-    let speed = (angle_rad[after] - angle_rad[before]) / (time_s[after] - time_s[before]);
-    if speed.is_finite() { speed } else { 0.0 }
 }
 
 /// A channel of two records one after the other, if both have it.

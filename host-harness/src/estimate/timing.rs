@@ -75,6 +75,7 @@ pub fn told(record: &Record) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::demo::actuator;
+    use crate::estimate::filter::Noise;
     use crate::estimate::fit::Problem;
     use crate::estimate::refit::refit;
     use crate::estimate::twin;
@@ -103,5 +104,25 @@ mod tests {
         log.motor_angle_rad = twin.measured.iter().map(|row| row[1]).collect();
         log.output_angle_rad = Some(twin.measured.iter().map(|row| row[2]).collect());
         assert_eq!(lead(&log), 0.0);
+    }
+
+    #[test]
+    fn an_output_that_feels_a_disturbance_of_its_own_is_told_from_one_that_does_not() {
+        let model = actuator();
+        let log = record(&model, &Experiment::default(), 3).unwrap();
+        let quiet = Record::new(&log, Some(2));
+        let mask = vec![1.0; quiet.len()];
+        let asked = |record: Record| {
+            let fit = |record: &Record| refit(&Problem::new(record, &mask), &model);
+            super::asked(&model, record, fit).unwrap()
+        };
+        assert!(!asked(quiet.clone()).0.output_disturbed);
+        let expected = noise::expected(&model, &quiet.disturbed());
+        let noise = Noise { output: 300.0 * expected.output, ..expected };
+        let (record, fit) = asked(twin::twin(&model, &quiet, &noise, 1).unwrap());
+        assert!(record.output_disturbed);
+        assert!((fit.noise.output / noise.output - 1.0).abs() < 0.2, "{:?} {noise:?}", fit.noise);
+        let stiffness = |model: &Model| model.stages[0].stiffness_nm_per_rad;
+        assert!((stiffness(&fit.model) / stiffness(&model) - 1.0).abs() < 0.05, "{:?}", fit.model);
     }
 }

@@ -127,7 +127,7 @@ fn table(
     );
 }
 
-/// An RMS error; one beyond all numbers says so.
+/// An RMS error, as it is told where it is not finite too.
 fn rms_in(rms: f64, unit: &str) -> String {
     if rms < 1e15 { si(rms, unit, 3) } else { "not finite".to_owned() }
 }

@@ -12,6 +12,7 @@
 mod bristle;
 mod damping;
 mod flow;
+mod passive;
 mod stribeck;
 mod turn;
 
