@@ -18,6 +18,7 @@ use super::evidence::{Unseen, Weighed, cannot_tell};
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
+use super::forward::search_coloured;
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
@@ -117,6 +118,14 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
+    let coloured = match remainder.complaints(found.rounds.is_empty()).is_empty() {
+        false if !interrupt::asked() => search_coloured(problem, &found, bar)?,
+        _ => None,
+    };
+    if let Some(better) = coloured {
+        found = better;
+        remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+    }
     let sound = remainder.complaints(false).is_empty() && !is_suspect(&found);
     let finest = record.refined(micro_steps * FINEST);
     let finer = if sound { record.refined(micro_steps * FINER) } else { finest.clone() };

@@ -74,6 +74,7 @@ mod tests {
             torque: SHARE * noise.torque,
             output: SHARE * noise.output,
             sensors: noise.sensors.map(|sigma| SHARE * sigma),
+            ..noise
         };
         let proud = Fit { model, noise, ..simpler.clone() };
         let unseen: Vec<f64> = seen.iter().map(|seen| 1.0 - seen).collect();

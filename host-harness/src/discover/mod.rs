@@ -19,6 +19,7 @@ mod finer;
 mod followed;
 pub mod force;
 mod fork;
+mod forward;
 pub mod gate;
 mod gear_or_encoder;
 mod hope;

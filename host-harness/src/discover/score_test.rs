@@ -79,7 +79,11 @@ impl<'a> ScoreTest<'a> {
         let plant = plant(&base.model, &problem.record.grid, problem.record.drive).ok()?;
         let observer = Observer::new(&base.model, &*plant, problem.record);
         let mut along = Cow::Owned(Linearisation::default());
-        let (_, run) = observer.design_along(&mut along, &base.noise, &problem.walks());
+        let (_, run) = observer.design_along(
+            &mut along,
+            &base.noise,
+            &problem.walks(&base.noise, base.model.stages.len()),
+        );
         let all: Vec<_> = std::iter::once(&base.innovations).chain(&nulls).collect();
         let pulls = all
             .into_par_iter()

@@ -123,11 +123,8 @@ fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
     for channel in Channel::ALL.into_iter().filter(|channel| problem.record.has(*channel)) {
         scales.push((Equation::Sensor(channel), 5.0 * noise.sensors[channel as usize]));
     }
-    let walk = |(equation, scale): (Equation, f64), rate: f64| Walk {
-        equation,
-        initial: scale,
-        rate: rate * scale,
-    };
+    let walk =
+        |(equation, scale): (Equation, f64), rate: f64| Walk::random(equation, scale, rate * scale);
     scales.iter().flat_map(|scale| RATES.map(|rate| walk(*scale, rate))).collect()
 }
 
@@ -212,7 +209,7 @@ pub(super) fn pushed(
 ) -> Result<Run, BuildError> {
     let plant = plant(model, &problem.record.grid, problem.record.drive)?;
     let observer = Observer::new(model, &*plant, problem.record);
-    Ok(observer.design(noise, &problem.pushed(walk).walks()).1)
+    Ok(observer.design(noise, &problem.pushed(walk).walks(noise, model.stages.len())).1)
 }
 
 /// An equation in words, and its unit.

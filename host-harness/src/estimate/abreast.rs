@@ -198,6 +198,7 @@ impl Work for Together<'_, '_> {
                         of_lane(lane).pushed(mass, torque, interval, change);
                     }
                 }
+                x[own + j] = x[own + j] * Lanes::all(walk.kept(interval));
             }
         }
         rows

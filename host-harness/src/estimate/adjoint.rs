@@ -49,6 +49,7 @@ impl Observer<'_> {
                     }
                 }
                 for (j, walk) in gains.walks.iter().enumerate() {
+                    now[n + j] *= walk.kept(self.record.grid.interval(k));
                     now[n + j] += match walk.equation {
                         Equation::Voltage => pull.drive[k],
                         Equation::Torque(mass) => pull.torque[mass][k],

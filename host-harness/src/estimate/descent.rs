@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::abreast::Rows;
 use super::coordinates::{Coordinate, precision};
-use super::filter::{Linearisation, Noise};
+use super::filter::{Disturbed, Linearisation, Noise};
 use super::fit::{Design, Fit, Known, Problem};
 use super::gram::gram;
 use super::slope::Slope;
@@ -134,11 +134,13 @@ impl Descent<'_> {
     /// The noise of a model: a torque's is what the same accelerations are with its inertia.
     fn noise_at(&self, model: &Model) -> Noise {
         let [rotor, last] = ends(model);
-        Noise {
-            torque: self.noise.torque * rotor / self.inertias[0],
-            output: self.noise.output * last / self.inertias[1],
-            ..*self.noise
-        }
+        let [rotor, last] = [rotor / self.inertias[0], last / self.inertias[1]];
+        let mut noise = *self.noise;
+        noise.torque *= rotor;
+        noise.output *= last;
+        noise.coloured[Disturbed::Rotor as usize].deviation *= rotor;
+        noise.coloured[Disturbed::Output as usize].deviation *= last;
+        noise
     }
 
     /// Minus twice the log-likelihood and the prior where a descent stands.

@@ -14,7 +14,9 @@ use joint_core::params::Location;
 use joint_core::scalar::Scalar;
 
 use crate::estimate::covariance::Covariance;
-pub use crate::estimate::gains::{Equation, Gains, Linearisation, Noise, Run, Walk};
+pub use crate::estimate::gains::{
+    Colour, Disturbed, Equation, Gains, Linearisation, Noise, Run, Walk,
+};
 use crate::estimate::keep::{Keep, Whole};
 use crate::estimate::late::Late;
 use crate::estimate::pass::Pass;
@@ -421,6 +423,7 @@ impl<'a> Observer<'a> {
                 let torque = x[self.layout.len() + j];
                 self.push(x, mass, torque, interval);
             }
+            x[self.layout.len() + j] *= walk.kept(interval);
         }
     }
 

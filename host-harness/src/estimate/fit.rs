@@ -103,7 +103,7 @@ pub struct Problem<'a> {
 /// nothing of the wind-up at that moment.
 pub fn standing_walks(record: &Record) -> Vec<Walk> {
     if record.has(Channel::Output) {
-        vec![Walk { equation: Equation::Sensor(Channel::Output), initial: 1e-2, rate: 0.0 }]
+        vec![Walk::random(Equation::Sensor(Channel::Output), 1e-2, 0.0)]
     } else {
         Vec::new()
     }
@@ -167,9 +167,11 @@ impl<'a> Problem<'a> {
         Self { push: Some(push), ..self }
     }
 
-    /// What a filter of this problem carries beside the joint's states, the push last.
-    pub fn walks(&self) -> Vec<Walk> {
-        standing_walks(self.record).into_iter().chain(self.push).collect()
+    /// What a filter of this problem carries beside the states of a joint of that many stages at a noise, the
+    /// push last.
+    pub fn walks(&self, noise: &Noise, stages: usize) -> Vec<Walk> {
+        let standing = standing_walks(self.record).into_iter();
+        standing.chain(noise.walks(stages)).chain(self.push).collect()
     }
 
     /// A plant observed as far as samples are fitted to.
@@ -200,7 +202,8 @@ impl<'a> Problem<'a> {
     ) -> Result<Design, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = self.observer(model, &*plant);
-        let (gains, run) = observer.designed(along, noise, &self.walks(), false);
+        let (gains, run) =
+            observer.designed(along, noise, &self.walks(noise, model.stages.len()), false);
         let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
         Ok(Design { gains, innovations: run.innovations, deviance })
     }
@@ -218,7 +221,12 @@ impl<'a> Problem<'a> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = self.observer(model, &*plant);
         let mut likelihood = Likelihood::over(self.mask);
-        observer.run(&mut Cow::Borrowed(along), noise, &self.walks(), &mut likelihood);
+        observer.run(
+            &mut Cow::Borrowed(along),
+            noise,
+            &self.walks(noise, model.stages.len()),
+            &mut likelihood,
+        );
         Ok(likelihood.deviance())
     }
 
@@ -236,8 +244,8 @@ impl<'a> Problem<'a> {
     ) -> Result<(f64, DVector<f64>, DMatrix<f64>), BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = self.observer(model, &*plant);
-        let walks = self.walks();
-        let order = observer.layout.len() + walks.len();
+        let walks = self.walks(noise, model.stages.len());
+        let order = (observer.layout.len(), &walks[..]);
         let mut scoring = Scoring::over(self.mask, noise, sources, order);
         scoring.follow(Pass::new(&observer, along, noise, &walks));
         Ok(scoring.results())

@@ -22,7 +22,7 @@ impl Equation {
     }
 }
 
-/// A random walk on one equation, as an extra state of the filter.
+/// A disturbance of one equation, as an extra state of the filter: a random walk, or one that forgets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walk {
     /// Where it acts.
@@ -31,6 +31,72 @@ pub struct Walk {
     pub initial: f64,
     /// Its one sigma per root second.
     pub rate: f64,
+    /// Time over which it is correlated, s; infinite of a random walk.
+    pub correlation_s: f64,
+}
+
+impl Walk {
+    /// A random walk; of no rate a constant.
+    pub fn random(equation: Equation, initial: f64, rate: f64) -> Self {
+        Self { equation, initial, rate, correlation_s: f64::INFINITY }
+    }
+
+    /// A stationary disturbance (Ornstein and Uhlenbeck 1930).
+    pub fn coloured(equation: Equation, colour: Colour) -> Self {
+        let Colour { deviation, correlation_s } = colour;
+        let rate = deviation * (2.0 / correlation_s).sqrt();
+        Self { equation, initial: deviation, rate, correlation_s }
+    }
+
+    /// Share of it that is left after an interval, s.
+    pub(super) fn kept(&self, interval: f64) -> f64 {
+        (-interval / self.correlation_s).exp()
+    }
+
+    /// Variance that it gains over an interval, s.
+    pub(super) fn gained(&self, interval: f64) -> f64 {
+        let rate = self.rate * self.rate;
+        match self.correlation_s.is_finite() {
+            true => {
+                -0.5 * rate * self.correlation_s * (-2.0 * interval / self.correlation_s).exp_m1()
+            }
+            false => rate * interval,
+        }
+    }
+}
+
+/// A disturbance that is correlated in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Colour {
+    /// Its one sigma, in the unit of its equation; zero where there is none.
+    pub deviation: f64,
+    /// Time over which it is correlated, s.
+    pub correlation_s: f64,
+}
+
+/// An equation that a coloured disturbance may act on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Disturbed {
+    /// The drive: V, or A where the current is imposed.
+    Drive,
+    /// The rotor's torque, Nm.
+    Rotor,
+    /// The torque on the last mass, reflected to the motor, Nm.
+    Output,
+}
+
+impl Disturbed {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Drive, Self::Rotor, Self::Output];
+
+    /// The equation of a joint of that many stages.
+    pub fn equation(self, stages: usize) -> Equation {
+        match self {
+            Self::Drive => Equation::Voltage,
+            Self::Rotor => Equation::Torque(0),
+            Self::Output => Equation::Torque(stages),
+        }
+    }
 }
 
 /// One sigma of every noise.
@@ -45,9 +111,26 @@ pub struct Noise {
     pub output: f64,
     /// The sensors.
     pub sensors: [f64; CHANNELS],
+    /// Disturbances that are correlated in time, by [`Disturbed`].
+    pub coloured: [Colour; Disturbed::ALL.len()],
 }
 
 impl Noise {
+    /// Its coloured disturbances on a joint of that many stages.
+    pub fn walks(&self, stages: usize) -> impl Iterator<Item = Walk> {
+        self.colours().map(move |(place, colour)| Walk::coloured(place.equation(stages), colour))
+    }
+
+    /// Its coloured disturbances and where they act.
+    pub fn colours(&self) -> impl Iterator<Item = (Disturbed, Colour)> {
+        Disturbed::ALL.into_iter().zip(self.coloured).filter(|(_, colour)| colour.deviation > 0.0)
+    }
+
+    /// The same without what is correlated in time.
+    pub fn whitened(self) -> Self {
+        Self { coloured: Default::default(), ..self }
+    }
+
     /// The same with the model distrusted so many times as much.
     pub fn distrusted(self, times: f64) -> Self {
         Self {

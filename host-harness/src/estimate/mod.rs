@@ -8,6 +8,7 @@
 
 pub mod abreast;
 pub mod adjoint;
+pub mod colour;
 pub mod coordinates;
 mod covariance;
 mod descent;
@@ -28,6 +29,7 @@ mod scales;
 mod scatter;
 mod scoring;
 pub mod scout;
+pub mod simulation;
 pub mod slope;
 mod slopes;
 mod tape;

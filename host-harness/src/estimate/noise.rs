@@ -33,6 +33,9 @@ const ATTEMPTS: usize = 4;
 const WORTH: f64 = 0.3;
 const ROUGH: f64 = 1.5;
 
+/// One sigma, in the logarithm, of a noise of which little is known beforehand.
+const UNKNOWN: f64 = 3.0;
+
 /// One noise that can be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Knob {
@@ -52,7 +55,7 @@ impl Knob {
     /// A noise moved by a step.
     fn moved(&self, noise: &Noise, step: f64) -> Noise {
         let most = match self.source {
-            Source::Sensor(_) => f64::INFINITY,
+            Source::Sensor(_) | Source::Coloured(_) => f64::INFINITY,
             Source::Drive | Source::Torque | Source::Output => self.expected + MOST.ln(),
         };
         let there = (self.source.sigma(noise).ln() + step).min(most);
@@ -89,6 +92,7 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
         torque: felt(breakaway).hypot(brought),
         output: if record.output_disturbed && stages > 0 { felt(last) } else { 0.0 },
         sensors: Channel::ALL.map(|channel| record.sensor_sigma(model, channel)),
+        coloured: Default::default(),
     }
 }
 
@@ -125,10 +129,14 @@ pub fn refine_along(
     if expected.output > 0.0 {
         knobs.push(Knob { source: Source::Output, expected: expected.output.ln(), spread: 0.7 });
     }
+    for (place, colour) in start.colours() {
+        let source = Source::Coloured(place);
+        knobs.push(Knob { source, expected: colour.deviation.ln(), spread: UNKNOWN });
+    }
     for channel in Channel::ALL {
         if problem.record.has(channel) && !known(model, channel) {
             let expected = expected.sensors[channel as usize].ln();
-            knobs.push(Knob { source: Source::Sensor(channel), expected, spread: 3.0 });
+            knobs.push(Knob { source: Source::Sensor(channel), expected, spread: UNKNOWN });
         }
     }
     let sources: Vec<Source> = knobs.iter().map(|knob| knob.source).collect();

@@ -84,7 +84,8 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
                 self.linearise(k);
                 self.predict(k);
                 let Scratch { transition, column: drive, kick, behind, .. } = &self.scratch;
-                keep.passed(&Passed { transition, drive, kick, behind });
+                let interval = observer.record.grid.interval(k);
+                keep.passed(&Passed { transition, drive, kick, behind, interval });
             }
         }
     }
@@ -169,7 +170,7 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
                     }
                     Equation::Sensor(_) => {}
                 }
-                f[(n + j) * order + n + j] = 1.0;
+                f[(n + j) * order + n + j] = walk.kept(interval);
             }
         });
         p.carry(&scratch.transition);
@@ -184,7 +185,7 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
             p.add_square(noise.output * noise.output, behind);
         }
         for (j, walk) in walks.iter().enumerate() {
-            p.add_variance(n + j, walk.rate * walk.rate * interval);
+            p.add_variance(n + j, walk.gained(interval));
         }
     }
 }

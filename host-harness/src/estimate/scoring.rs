@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::covariance::Covariance;
-use super::filter::Noise;
+use super::filter::{Disturbed, Noise, Walk};
 use super::keep::{Keep, Likelihood, Measured, Passed};
 use super::pass::{Pass, dot};
 use super::record::Channel;
@@ -28,6 +28,8 @@ pub(super) enum Source {
     Output,
     /// What a sensor adds.
     Sensor(Channel),
+    /// What acts on an equation and is correlated in time.
+    Coloured(Disturbed),
 }
 
 impl Source {
@@ -38,6 +40,7 @@ impl Source {
             Self::Torque => noise.torque,
             Self::Output => noise.output,
             Self::Sensor(channel) => noise.sensors[channel as usize],
+            Self::Coloured(place) => noise.coloured[place as usize].deviation,
         }
     }
 
@@ -49,6 +52,7 @@ impl Source {
             Self::Torque => noise.torque = sigma,
             Self::Output => noise.output = sigma,
             Self::Sensor(channel) => noise.sensors[channel as usize] = sigma,
+            Self::Coloured(place) => noise.coloured[place as usize].deviation = sigma,
         }
         noise
     }
@@ -57,6 +61,8 @@ impl Source {
 /// Derivatives of a filter with the logarithm of one noise.
 struct Along {
     source: Source,
+    /// Where it stands in the state and what it is, of one that is a state itself.
+    own: Option<(usize, Walk)>,
     state: Vec<f64>,
     covariance: Covariance,
     /// Of the covariance's product with a sensor's row.
@@ -77,10 +83,24 @@ pub(super) struct Scoring<'m> {
 }
 
 impl<'m> Scoring<'m> {
-    pub(super) fn over(mask: &'m [f64], noise: &Noise, sources: &[Source], order: usize) -> Self {
+    /// Over the samples of a mask, of a filter of so many states before its walks.
+    pub(super) fn over(
+        mask: &'m [f64],
+        noise: &Noise,
+        sources: &[Source],
+        (states, walks): (usize, &[Walk]),
+    ) -> Self {
+        let order = states + walks.len();
         let none = || Covariance::independent(std::iter::repeat_n(0.0, order));
+        let own = |source: Source| {
+            let is = |walk: &&Walk| walk.correlation_s.is_finite();
+            let nth = noise.colours().position(|(place, _)| Source::Coloured(place) == source)?;
+            let (k, walk) = walks.iter().enumerate().filter(|(_, walk)| is(walk)).nth(nth)?;
+            Some((states + k, *walk))
+        };
         let along = sources.iter().map(|source| Along {
             source: *source,
+            own: own(*source),
             state: vec![0.0; order],
             covariance: none(),
             column: vec![0.0; order],
@@ -127,6 +147,9 @@ impl Keep for Scoring<'_> {
         for along in &mut self.along {
             along.state.fill(0.0);
             along.covariance.clear();
+            if let Some((state, walk)) = along.own {
+                along.covariance.add_variance(state, 2.0 * walk.initial * walk.initial);
+            }
         }
     }
 
@@ -135,7 +158,7 @@ impl Keep for Scoring<'_> {
         let weight = self.likelihood.mask()[sample];
         let whitened = innovation * innovation / variance;
         for along in &mut self.along {
-            let Along { source, state, covariance, column: moved, change } = along;
+            let Along { source, state, covariance, column: moved, change, .. } = along;
             covariance.times(row, moved);
             let own = match *source == Source::Sensor(channel) {
                 true => 2.0 * source.sigma(&self.noise).powi(2),
@@ -168,9 +191,9 @@ impl Keep for Scoring<'_> {
     }
 
     fn passed(&mut self, over: &Passed<'_>) {
-        let Passed { transition, drive, kick, behind } = *over;
+        let Passed { transition, drive, kick, behind, interval } = *over;
         let order = self.scratch.len();
-        for Along { source, state, covariance, .. } in &mut self.along {
+        for Along { source, state, covariance, own, .. } in &mut self.along {
             for (next, row) in self.scratch.iter_mut().zip(transition.rows().chunks_exact(order)) {
                 *next = dot(row, state);
             }
@@ -182,6 +205,11 @@ impl Keep for Scoring<'_> {
                 Source::Torque => covariance.add_square(twice, kick),
                 Source::Output => covariance.add_square(twice, behind),
                 Source::Sensor(_) => {}
+                Source::Coloured(_) => {
+                    if let Some((state, walk)) = own {
+                        covariance.add_variance(*state, 2.0 * walk.gained(interval));
+                    }
+                }
             }
         }
     }
@@ -214,7 +242,7 @@ mod tests {
         let walks = standing_walks(&record);
         let plant = plant(&model, &record.grid, record.drive).unwrap();
         let observer = Observer::new(&model, &*plant, &record);
-        let order = observer.layout.len() + walks.len();
+        let order = (observer.layout.len(), &walks[..]);
         let sources = [Source::Torque, Source::Drive, Source::Sensor(Channel::Motor)];
         let empty = || Cow::Owned(Linearisation::default());
         let mut whole = Scoring::over(&mask, &noise, &sources, order);

@@ -50,7 +50,7 @@ impl Scout {
 }
 
 /// How a joint moves where stretches begin; nothing where its model cannot follow it.
-fn motions(record: &Record, kept: &[Range<usize>], model: &Model) -> Vec<Motion> {
+pub(super) fn motions(record: &Record, kept: &[Range<usize>], model: &Model) -> Vec<Motion> {
     let noise = noise::expected(model, record).distrusted(DISTRUST);
     let Ok(plant) = plant(model, &record.grid, record.drive) else { return Vec::new() };
     let run = Observer::new(model, &*plant, record).design(&noise, &standing_walks(record)).1;

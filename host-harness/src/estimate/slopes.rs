@@ -202,7 +202,8 @@ mod tests {
         let noise = noise::expected(model, &record);
         let n = observer.layout.len();
         let mut along = Cow::Owned(Linearisation::default());
-        let (_, run) = observer.design_along(&mut along, &noise, &problem.walks());
+        let (_, run) =
+            observer.design_along(&mut along, &noise, &problem.walks(&noise, model.stages.len()));
         let likely = problem.deviance_along(&along, model, &noise).unwrap();
         let designed = problem.design_along(&mut along, model, &noise).unwrap().deviance;
         assert!((likely - designed).abs() < 1e-9 * designed.abs(), "{likely} {designed}");
@@ -251,7 +252,7 @@ mod tests {
         let model = joint();
         let record = record(&model);
         let mask = vec![1.0; record.len()];
-        let push = Walk { equation: Equation::Torque(1), initial: 1e-9, rate: 1e-6 };
+        let push = Walk::random(Equation::Torque(1), 1e-9, 1e-6);
         let problem = Problem::new(&record, &mask).pushed(push);
         let mut off = model.clone();
         Quantity::Stiffness(1).shift(&mut off, 0.05);
@@ -303,7 +304,7 @@ mod tests {
         let model = joint();
         let record = record(&model);
         let mask: Vec<f64> = (0..record.len()).map(|k| f64::from(u8::from(k < 2500))).collect();
-        let push = Walk { equation: Equation::Torque(1), initial: 1e-9, rate: 1e-6 };
+        let push = Walk::random(Equation::Torque(1), 1e-9, 1e-6);
         let problem = Problem::new(&record, &mask).pushed(push);
         let gains = problem.design(&model, &noise::expected(&model, &record)).unwrap().gains;
         let mut models: Vec<Model> = Quantity::of(&model, record.drive)

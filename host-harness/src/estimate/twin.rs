@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::abreast::{self, Rows};
-use super::filter::{Gains, Noise, Observer};
+use super::filter::{Equation, Gains, Noise, Observer, Walk};
 use super::fit::Problem;
 use super::late::Late;
 use super::record::{Channel, Record};
@@ -40,10 +40,15 @@ pub fn twin(
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let mut state = Vec::new();
     let mut twin = record.clone();
+    let walks: Vec<Walk> = noise.walks(layout.stages).collect();
+    let mut disturbances = vec![0.0; walks.len()];
     let count = Channel::ALL.map(|channel| 12.0_f64.sqrt() * noise.sensors[channel as usize]);
     for k in 0..record.len() {
         if record.starts.contains(&k) {
             state = observer.start(k, layout.len(), |number| state.get(number).copied());
+            for (value, walk) in disturbances.iter_mut().zip(&walks) {
+                *value = walk.initial * normal();
+            }
         }
         // One clock stamps both encoders.
         let late = if record.jitter.is_empty() { 0.0 } else { normal() };
@@ -62,10 +67,22 @@ pub fn twin(
                 };
             }
         }
-        let more = noise.drive * normal();
+        let of = |equation: Equation| {
+            let own = walks.iter().zip(&disturbances).filter(|(walk, _)| walk.equation == equation);
+            own.map(|(_, value)| value).sum::<f64>()
+        };
+        let more = noise.drive * normal() + of(Equation::Voltage);
+        let torques: Vec<f64> =
+            (0..=layout.stages).map(|mass| of(Equation::Torque(mass))).collect();
         let drives = observer.late.drives(record, k).map(|drive| drive + more);
         plant.propagate_switched(k, &mut state, drives, record.load_nm[k]);
         let interval = record.grid.interval(k);
+        for (mass, torque) in torques.into_iter().enumerate().filter(|(_, torque)| *torque != 0.0) {
+            observer.push(&mut state, mass, torque, interval);
+        }
+        for (value, walk) in disturbances.iter_mut().zip(&walks) {
+            *value = walk.kept(interval) * *value + walk.gained(interval).sqrt() * normal();
+        }
         observer.push(&mut state, 0, noise.torque * normal(), interval);
         if noise.output > 0.0 {
             observer.push(&mut state, layout.stages, noise.output * normal(), interval);

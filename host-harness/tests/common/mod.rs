@@ -1,7 +1,7 @@
 //! What several of these tests begin with.
 
 /// A motor with one gear.
-pub const MODEL: &str = "[motor]
+pub(crate) const MODEL: &str = "[motor]
 phase_resistance_ohm = 0.5
 phase_inductance_h = 1e-4
 torque_constant_nm_per_a = 0.1

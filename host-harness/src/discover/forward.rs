@@ -1,0 +1,305 @@
+//! The search beside a coloured disturbance: forward selection, one effect at a time, and backward elimination.
+//!
+//! The disturbance state takes what the model misses as it comes, so that parameters are not bent by it and a
+//! linear step from the nominal can be believed. Every candidate is refitted with the disturbance's own size, so
+//! that what it gains is what it explains beyond what a disturbance without a law would.
+
+use std::borrow::Cow;
+
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::bootstrap::stays_ahead;
+use super::candidates::{self, Scene};
+use super::chance::{threshold, told};
+use super::findings::ScoreRow;
+use super::hypothesis::{Hypothesis, first_of_each, run_through};
+use super::needless::{bare, drop_needless, without};
+use super::order::ask_order;
+use super::score_test::{Gain, ScoreTest};
+use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, title};
+use crate::estimate::colour::coloured;
+use crate::estimate::filter::{Linearisation, Noise};
+use crate::estimate::fit::{Fit, Known, Problem};
+use crate::estimate::refit::{self, cost, polish, polish_on};
+use crate::interrupt;
+use crate::model::Model;
+use crate::plant::BuildError;
+
+/// Most effects that are added.
+const MOST_EFFECTS: usize = 8;
+/// Replicates that tell what a score reaches by chance.
+const REPLICATES: u64 = 6;
+/// Chance that one of all hypotheses passes where nothing is missing.
+const LEVEL: f64 = 0.05;
+/// Hypotheses that get a short refit, and how many of these a full one.
+const SHORT: usize = 6;
+const FULL: usize = 3;
+/// Rounds of a short refit.
+const ROUNDS: usize = 3;
+
+/// What a search that goes on beside a coloured disturbance finds, where its effects make the log likelier
+/// without one as well: a disturbance state shows structure, but takes a part of slow laws with it.
+///
+/// # Errors
+/// A model cannot be built.
+pub(super) fn search_coloured(
+    problem: Problem<'_>,
+    found: &Search,
+    bar: &ProgressBar,
+) -> Result<Option<Search>, BuildError> {
+    let mut other = go_on(problem, found.clone(), bar)?;
+    let known = |search: &Search| search.rounds.iter().map(|round| round.name).collect::<Vec<_>>();
+    if known(&other) == known(found) || interrupt::asked() {
+        return Ok(None);
+    }
+    let Stage { fit, origin } = &other.after;
+    let expected = &other.expected;
+    let noise = found.after.fit.noise;
+    let near = polish(&problem, origin, &fit.model, &fit.coordinates, expected, &noise)?;
+    other.after.fit = polish_on(&problem, origin, near, expected)?;
+    other.before = found.before.clone();
+    if std::env::var("JOINT_TRACE").is_ok() {
+        let names =
+            |s: &Search| s.rounds.iter().map(|r| (r.name, r.gain as i64)).collect::<Vec<_>>();
+        eprintln!(
+            "plain {:?} {}\ncoloured {:?} {}",
+            names(found),
+            cost(&found.after.fit),
+            names(&other),
+            cost(&other.after.fit)
+        );
+    }
+    drop_needless(problem, &mut other, true)?;
+    if std::env::var("JOINT_TRACE").is_ok() {
+        let names =
+            |s: &Search| s.rounds.iter().map(|r| (r.name, r.gain as i64)).collect::<Vec<_>>();
+        eprintln!("dropped {:?} {}", names(&other), cost(&other.after.fit));
+    }
+    // A name has to earn what counts, or the simpler model stands.
+    let owed = |search: &Search| cost(&search.after.fit) + LEAST_GAIN * search.rounds.len() as f64;
+    Ok((owed(&other) < owed(found)).then_some(other))
+}
+
+/// Goes on from what a search without a coloured disturbance has found: its effects are asked again beside one,
+/// and others are looked for.
+///
+/// # Errors
+/// A model cannot be built.
+fn go_on(
+    problem: Problem<'_>,
+    mut search: Search,
+    bar: &ProgressBar,
+) -> Result<Search, BuildError> {
+    let expected = search.expected;
+    bar.set_message("refitting beside a coloured disturbance");
+    let Stage { fit, origin } = search.before.clone();
+    let before = || begun(&problem, &origin, fit, &expected);
+    let after = || {
+        let mut after = search.after.clone();
+        recoloured(&problem, &mut after, &expected)?;
+        Ok::<_, BuildError>(after)
+    };
+    let (before, after) = rayon::join(before, after);
+    (search.before, search.after) = (before?, after?);
+    if search.rounds.is_empty() {
+        search.after = search.before.clone();
+    }
+    eliminate(&problem, &mut search)?;
+    grow(&problem, &mut search, bar)?;
+    Ok(search)
+}
+
+/// Adds effects until no more is found, and tries to do without each.
+fn grow(problem: &Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+    let expected = search.expected;
+    while search.rounds.len() < MOST_EFFECTS && !interrupt::asked() {
+        let round = search.rounds.len() + 1;
+        bar.set_message(format!("looking for an effect, round {round}"));
+        if !add(problem, search, round)? {
+            break;
+        }
+        let last = search.rounds.len() - 1;
+        ask_order(problem.rough(), search, last)?;
+        recoloured(problem, &mut search.after, &expected)?;
+    }
+    bar.set_message("trying to do without");
+    eliminate(problem, search)
+}
+
+/// The nominal refitted beside a coloured disturbance: from its plain refit and from where it was, since the
+/// plain one is bent by what is missing.
+fn begun(
+    problem: &Problem<'_>,
+    nominal: &Model,
+    fit: Fit,
+    expected: &Noise,
+) -> Result<Stage, BuildError> {
+    let coordinates = &fit.coordinates;
+    let fits = [&fit.model, nominal].into_par_iter().map(|start| {
+        let noise = coloured(problem, start, expected, &fit.noise)?;
+        let near = polish(problem, nominal, start, coordinates, expected, &noise)?;
+        let noise = coloured(problem, &near.model, expected, &near.noise)?;
+        polish(problem, nominal, &near.model, coordinates, expected, &noise)
+    });
+    let fits = fits.collect::<Result<Vec<_>, BuildError>>()?;
+    let likelier = |a: Fit, b: Fit| if cost(&b) < cost(&a) { b } else { a };
+    Ok(Stage { fit: fits.into_iter().fold(fit, likelier), origin: nominal.clone() })
+}
+
+/// Asks for the disturbance again, and refits beside it where it has changed.
+fn recoloured(
+    problem: &Problem<'_>,
+    stage: &mut Stage,
+    expected: &Noise,
+) -> Result<(), BuildError> {
+    let Stage { fit, origin } = &*stage;
+    let noise = coloured(problem, &fit.model, expected, &fit.noise)?;
+    let again = polish(problem, origin, &fit.model, &fit.coordinates, expected, &noise)?;
+    if cost(&again) < cost(fit) {
+        stage.fit = again;
+    }
+    Ok(())
+}
+
+/// Adds the effect that explains most of what is left, if one explains more than chance.
+fn add(problem: &Problem<'_>, search: &mut Search, round: usize) -> Result<bool, BuildError> {
+    let rough = problem.rough();
+    let base = search.after.clone();
+    let Some(test) = ScoreTest::new(rough, &base.origin, &base.fit, REPLICATES) else {
+        return Ok(false);
+    };
+    let scene = Scene::new(&base.fit.model, problem.record, &test);
+    let hypotheses = candidates::proposed(&scene, &search.withdrawn);
+    let ranked = test.ranked(&hypotheses);
+    let listed = candidates::listed(&scene);
+    let orders = listed.iter().map(|line| line.start.values[0]);
+    let lines: Vec<(f64, Gain)> = orders.zip(test.gains(&listed)).collect();
+    let gains = ranked.iter().map(|(_, gain)| gain).chain(lines.iter().map(|(_, gain)| gain));
+    let by_chance = threshold(gains);
+    let tried = ranked.len() + lines.len();
+    if round == 1 {
+        let best = ranked.first().map_or(0.0, |(_, gain)| gain.real.max(0.0));
+        search.orders = told(&lines, best, by_chance);
+    }
+    search.chance.push(by_chance);
+    let best_of_name = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
+    for (hypothesis, gain) in &best_of_name {
+        let name = title(hypothesis.name());
+        search.scores.push(ScoreRow { round, name, score: gain.real, refitted: None });
+    }
+    let promising: Vec<(&Hypothesis, &Gain)> = best_of_name
+        .iter()
+        .filter(|(_, gain)| gain.real > bound(gain.free, tried, 0.5 * by_chance))
+        .map(|(hypothesis, gain)| (*hypothesis, gain))
+        .take(SHORT)
+        .collect();
+    let short = promising.par_iter().map(|(hypothesis, _)| {
+        let (origin, coordinates) = base.widened(hypothesis);
+        let start = hypothesis.added(&base.fit.model);
+        let (near, noise) = (Some(test.jacobian()), &base.fit.noise);
+        let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
+        let fit = rough.fit_from(known, &origin, &start, &coordinates, noise, ROUNDS)?;
+        Ok((*hypothesis, Stage { fit, origin }))
+    });
+    let mut short = run_through(short);
+    short.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
+    let expected = search.expected;
+    let full = short.into_par_iter().take(FULL).map(|(hypothesis, Stage { fit, origin })| {
+        let Fit { model, coordinates, noise, .. } = fit;
+        let fit = polish(&rough, &origin, &model, &coordinates, &expected, &noise)?;
+        Ok((hypothesis, Stage { fit, origin }))
+    });
+    // The base gets the same last refinement as its challengers have.
+    let plain = || {
+        let Fit { model, coordinates, noise, .. } = &base.fit;
+        polish(&rough, &base.origin, model, coordinates, &expected, noise)
+    };
+    let (mut full, plain) = rayon::join(|| run_through(full), plain);
+    let plain = plain?;
+    let plain = if cost(&plain) < cost(&base.fit) { plain } else { base.fit.clone() };
+    full.retain(|(_, stage)| search.believes(&stage.fit.model, problem.record));
+    full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
+    // A challenger may have led the rest to a better fit: then the base gets that one.
+    let plain = match full.first() {
+        Some((_, won)) => {
+            let start = without(&won.fit.model, base.fit.model.effects.len());
+            let (moved, noise) = (&base.fit.coordinates, &won.fit.noise);
+            let far = |fit: &Fit| cost(fit) > cost(&plain);
+            let again =
+                refit::polish_unless(far, &rough, &base.origin, &start, moved, &expected, noise)?;
+            if cost(&again) < cost(&plain) { again } else { plain }
+        }
+        None => plain,
+    };
+    let contenders: Vec<Contender> = full
+        .iter()
+        .map(|(h, stage)| Contender { name: h.name(), gain: cost(&plain) - cost(&stage.fit) })
+        .collect();
+    for contender in &contenders {
+        let name = title(contender.name);
+        let row = search.scores.iter_mut().find(|row| row.round == round && row.name == name);
+        if let Some(row) = row {
+            row.refitted = Some(contender.gain);
+        }
+    }
+    let plain = Stage { fit: plain, origin: base.origin.clone() };
+    if search.rounds.is_empty() {
+        search.before = plain.clone();
+    }
+    let Some((winner, rivals)) = contenders.split_first() else {
+        search.after = plain;
+        return Ok(false);
+    };
+    let free = full[0].0.coordinates(0).len();
+    if winner.gain.is_nan() || winner.gain < bound(free, tried, by_chance) {
+        search.after = plain;
+        return Ok(false);
+    }
+    let mut stages = full.into_iter().map(|(_, stage)| stage);
+    let Some(won) = stages.next() else { return Ok(false) };
+    let runner_up = stages.next();
+    let others: Vec<&Fit> = runner_up.iter().map(|stage| &stage.fit).chain([&plain.fit]).collect();
+    let stays_ahead = stays_ahead(&won.fit, &others, problem.mask);
+    search.rounds.push(Round {
+        name: winner.name,
+        gain: winner.gain,
+        rivals: rivals.to_vec(),
+        runner_up,
+        stays_ahead,
+    });
+    search.after = won;
+    Ok(true)
+}
+
+/// What an effect of so many free values must gain where so many hypotheses were tried.
+fn bound(free: usize, tried: usize, by_chance: f64) -> f64 {
+    let level = 1.0 - LEVEL / tried.max(1) as f64;
+    let chance = ChiSquared::new(free.max(1) as f64).map_or(0.0, |law| law.inverse_cdf(level));
+    by_chance.max(chance)
+}
+
+/// Drops every effect whose loss costs no more than chance, the cheapest first.
+fn eliminate(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
+    let by_chance = search.chance.last().copied().unwrap_or(0.0);
+    while !search.rounds.is_empty() && !interrupt::asked() {
+        let without = (0..search.rounds.len())
+            .into_par_iter()
+            .map(|k| bare(problem.rough(), search, k))
+            .collect::<Result<Vec<_>, BuildError>>()?;
+        let kept = cost(&search.after.fit);
+        let cheapest = without
+            .into_iter()
+            .enumerate()
+            .min_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
+        let Some((k, stage)) = cheapest else { break };
+        let loss = cost(&stage.fit) - kept;
+        if loss >= bound(2, 100, by_chance) || search.measured.contains(&search.rounds[k].name) {
+            break;
+        }
+        search.after = stage;
+        search.rounds.remove(k);
+    }
+    Ok(())
+}
