@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -256,6 +257,15 @@ class Simulation(Table):
 
 class Observation(Table):
     """What the observer on a drive makes of a log, with one standard deviation by column ``*_std``."""
+
+    def __init__(self, columns: Mapping[str, Any], status: list[str]) -> None:
+        super().__init__(columns)
+        self.status = status
+        """By sample: ok, or what is special, joined by +."""
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A data frame of the columns and the status; needs pandas."""
+        return super().to_pandas().assign(status=self.status)
 
     def plot(self) -> Figure:
         """Every estimate over time with its band of two standard deviations; needs matplotlib."""

@@ -90,4 +90,5 @@ def observe(
 
     ``rated_load_nm`` is the largest load expected at the output; without it, the log's voltages tell one.
     """
-    return Observation(dict(_native.observe(model, _read(log), scalar, rated_load_nm)))
+    columns, status = _native.observe(model, _read(log), scalar, rated_load_nm)
+    return Observation(dict(columns), status)

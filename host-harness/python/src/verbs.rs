@@ -144,7 +144,7 @@ pub(crate) fn simulate<'py>(
     Ok((named(py, &columns), notes))
 }
 
-/// What the observer on a drive makes of the log, as columns.
+/// What the observer on a drive makes of the log, as columns, and the flags by sample.
 #[pyfunction]
 pub(crate) fn observe<'py>(
     py: Python<'py>,
@@ -152,12 +152,16 @@ pub(crate) fn observe<'py>(
     log: &Log,
     scalar: &str,
     rated_load_nm: Option<f64>,
-) -> PyResult<Columns<'py>> {
+) -> PyResult<(Columns<'py>, Vec<String>)> {
     let scalar: Scalar = choice(scalar, "scalar")?;
     let (model, log) = (model.0.clone(), log.log.clone());
     let text = running(py, move || observer::observed(&model, &log, rated_load_nm, scalar))?
         .map_err(raised)?;
-    Ok(named(py, &parsed(&text)?))
+    // The last column is no number.
+    let status = |line: &str| line.rsplit(',').next().unwrap_or_default().to_owned();
+    let mut columns = parsed(&text)?;
+    columns.pop();
+    Ok((named(py, &columns), text.lines().skip(1).map(status).collect()))
 }
 
 /// A choice by its name on the command line.

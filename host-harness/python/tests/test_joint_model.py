@@ -161,8 +161,11 @@ class Shown(unittest.TestCase):
 
     def test_an_observation_has_the_columns_of_joint_observe(self):
         seen = example()["seen"]
-        for column in ("t_s", "total_friction_at_motor_nm", "stage1_windup_rad", "load_torque_nm_std", "status"):
+        for column in ("t_s", "total_friction_at_motor_nm", "stage1_windup_rad", "load_torque_nm_std"):
             self.assertIn(column, seen)
+        self.assertEqual(len(seen.status), seen.samples)
+        self.assertTrue(set("+".join(seen.status).split("+")) >= {"ok"}, set(seen.status))
+        self.assertEqual(list(seen.to_pandas()["status"]), seen.status)
 
     def test_the_package_says_that_it_is_typed(self):
         folder = Path(jm.__file__).parent
