@@ -1,7 +1,5 @@
-/* The joint's observer for firmware in C. Written by cbindgen from firmware/capi/src/lib.rs; a test
-   compares the two. Link libjoint.a, built by
-     cargo build --release -p joint-capi --target thumbv7em-none-eabihf
-   It allocates nothing, cannot panic, and keeps all its state in the joint_t that it is given. */
+/* The joint's observer for firmware in C. Made from the library's source: change it there.
+   Link libjoint.a; docs/integration.md says how it is built, for a drive and for a desktop. It allocates nothing, cannot panic, and keeps all its state in the joint_t that it is given. */
 
 #ifndef JOINT_H
 #define JOINT_H

@@ -8,6 +8,8 @@ use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::standard;
+
 /// An error in an input file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError {
@@ -34,7 +36,7 @@ struct Excerpt {
 impl InputError {
     /// An error about a file as a whole.
     pub fn new(file: &Path, what: impl Into<String>) -> Self {
-        Self { file: file.display().to_string(), place: None, what: what.into(), help: None }
+        Self { file: standard::name(file), place: None, what: what.into(), help: None }
     }
 
     /// The file cannot be read.

@@ -16,6 +16,16 @@ pub fn watch() {
     });
 }
 
+/// Asks to stop: what a program does that has its own handler of interrupts.
+pub fn ask() {
+    ASKED.store(true, Ordering::Relaxed);
+}
+
+/// Takes the request back, for the next run in the same process.
+pub fn clear() {
+    ASKED.store(false, Ordering::Relaxed);
+}
+
 /// Whether the user asked to stop.
 pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)

@@ -33,8 +33,10 @@ pub mod scenario;
 pub mod score;
 
 pub mod simulated;
+pub mod standard;
 pub mod start;
 pub mod synthetic;
+mod terminal;
 pub mod transfer;
 pub mod verb;
 mod wide;

@@ -8,8 +8,8 @@ mod read;
 mod table;
 mod write;
 
-pub(crate) use read::unpacked;
 pub use read::{Loaded, Need, line_of_row};
+pub(crate) use read::{MOST_BYTES, unpacked};
 pub use write::{compressed, write_columns};
 
 /// Columns of a log. A missing value is NaN; a missing column is `None`. `time_s` rises strictly

@@ -1,5 +1,8 @@
 //! What the step costs on a chip stays within `budgets.toml`, and that of any model is told.
 
+#[path = "common/schema.rs"]
+mod schema;
+
 use std::process::Command;
 
 use host_harness::demo;
@@ -17,6 +20,12 @@ fn no_row_is_past_its_budget() {
     let table = String::from_utf8_lossy(&output.stdout);
     println!("{table}");
     assert!(output.status.success(), "{table}{}", String::from_utf8_lossy(&output.stderr));
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_joint")).args(["budget", "--json"]).output().unwrap();
+    let mut costs: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    schema::holds("budget.json", &costs);
+    costs["flash_bytes"] = "little".into();
+    schema::refuses("budget.json", &costs);
 }
 
 #[test]

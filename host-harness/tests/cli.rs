@@ -179,26 +179,138 @@ fn an_explicit_step_too_long_for_the_joint_is_a_failed_check() {
     assert!(!folder.path().join("o.csv").exists());
 }
 
+/// The verbs of `joint --help`, in its order.
+fn verbs(help: &str) -> Vec<&str> {
+    let listed = help.lines().take_while(|line| *line != "Options:");
+    let listed = listed.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    listed.filter_map(|line| line.split_whitespace().next()).collect()
+}
+
 #[test]
-fn every_verb_has_help_with_an_example() {
+fn every_verb_has_help_with_an_example_and_its_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
     let help = joint(folder.path(), "--help");
     assert_eq!(help.status.code(), Some(0));
     let help = String::from_utf8(help.stdout).unwrap();
-    let verbs = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let verbs: Vec<&str> = verbs
-        .take_while(|line| !line.is_empty())
-        .filter_map(|line| line.split_whitespace().next())
-        .filter(|verb| *verb != "help")
-        .collect();
-    assert!(verbs.contains(&"simulate"));
+    let verbs = verbs(&help);
+    assert!(verbs.contains(&"simulate") && verbs.contains(&"man"), "{help}");
+    // Under headings, each verb once.
+    let mut once = verbs.clone();
+    once.sort_unstable();
+    once.dedup();
+    assert_eq!(once.len(), verbs.len());
+    assert!(help.lines().filter(|line| line.ends_with(':') && !line.starts_with(' ')).count() > 4);
     for verb in verbs {
         let output = joint(folder.path(), &format!("{verb} --help"));
         let text = String::from_utf8(output.stdout).unwrap();
         assert_eq!(output.status.code(), Some(0), "{verb}");
         assert!(text.contains(&format!("Example:\n  joint {verb} ")), "{verb}: {text}");
         assert!(text.contains("--json") && text.contains("--force"), "{verb}");
+        assert!(text.contains("Exit code: 0 done, 1 "), "{verb}: {text}");
     }
+}
+
+#[test]
+fn help_fits_the_width_and_its_examples_stay_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = |width: &str, verb: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_joint"))
+            .args([verb, "--help"].iter().filter(|own| !own.is_empty()))
+            .env("COLUMNS", width)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    for verb in ["", "simulate", "cross-check", "observe-bench"] {
+        let narrow = help("60", verb);
+        // The line of usage is one command, and the terminal's to break.
+        for line in narrow.lines().filter(|line| !line.starts_with("Usage:")) {
+            assert!(line.chars().count() <= 60, "{verb}: {line}");
+        }
+        assert!(help("200", verb).lines().count() < narrow.lines().count(), "{verb}");
+    }
+    let text = help("60", "simulate");
+    let example = text.lines().skip_while(|line| *line != "Example:").nth(1).unwrap();
+    assert!(example.ends_with(" \\"), "{example}");
+}
+
+#[test]
+fn an_error_of_usage_is_an_object_too_where_json_is_asked_for() {
+    let folder = folder();
+    for (arguments, told) in [
+        ("--json", "no verb is given"),
+        ("nonsense --json", "nonsense"),
+        ("simulate --json", "--model <TOML>"),
+        ("simulate --json --model m.toml --input l.csv --out o.csv --step-us 0", "above zero"),
+    ] {
+        let output = joint(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        let error = object(&output)["error"].as_str().unwrap().to_owned();
+        assert!(error.contains(told) && !error.contains('\u{1b}'), "{arguments}: {error}");
+        assert!(!stderr(&output).is_empty(), "{arguments}");
+    }
+}
+
+#[test]
+fn a_log_comes_by_standard_input_and_a_file_goes_by_standard_output() {
+    let folder = folder();
+    assert!(simulate(folder.path(), "").status.success());
+    let wanted = std::fs::read(folder.path().join("o.csv")).unwrap();
+    let piped = |arguments: &str, log: &str| {
+        Command::new(env!("CARGO_BIN_EXE_joint"))
+            .args(arguments.split_whitespace())
+            .current_dir(folder.path())
+            .stdin(std::fs::File::open(folder.path().join(log)).unwrap())
+            .output()
+            .unwrap()
+    };
+    let output = piped("simulate -m m.toml -i - -o -", "l.csv");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(output.stdout, wanted);
+    // What a person is told stands beside it.
+    assert!(stderr(&output).contains("2000 samples of m"), "{}", stderr(&output));
+    assert!(!folder.path().join("-").exists());
+    // The same finding by either way, at its line.
+    let [file, input] =
+        [piped("check -m m.toml -l o.csv", "o.csv"), piped("check -m m.toml -l -", "o.csv")];
+    let text = |output: &Output| String::from_utf8(output.stdout.clone()).unwrap();
+    assert_eq!(text(&input).replace("\n-:", "\no.csv:"), text(&file).replace("\n-:", "\no.csv:"));
+    let refused = piped("simulate -m m.toml -i - -o p.csv", "m.toml");
+    assert!(stderr(&refused).starts_with("error: standard input"), "{}", stderr(&refused));
+    for (arguments, told) in [
+        ("simulate -m m.toml -i l.csv -o - --json", "standard output takes one thing"),
+        ("identify -m m.toml -l l.csv -o -", "several files"),
+        ("import l.csv -o - --save-map -", "standard output takes one thing"),
+    ] {
+        let refused = joint(folder.path(), arguments);
+        assert_eq!(refused.status.code(), Some(2), "{arguments}");
+        assert!(stderr(&refused).contains(told), "{arguments}: {}", stderr(&refused));
+    }
+}
+
+#[test]
+fn shells_complete_every_verb_and_the_manual_has_a_page_of_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = String::from_utf8(joint(folder.path(), "--help").stdout).unwrap();
+    let verbs = verbs(&help);
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let output = joint(folder.path(), &format!("completions {shell}"));
+        let script = String::from_utf8(output.stdout).unwrap();
+        for verb in &verbs {
+            assert!(script.contains(verb), "{shell}: {verb}");
+        }
+        assert!(script.contains("rated-load-nm"), "{shell}");
+    }
+    assert_eq!(joint(folder.path(), "completions tcsh").status.code(), Some(2));
+    assert_eq!(joint(folder.path(), "man --out man").status.code(), Some(0));
+    for verb in &verbs {
+        let page = folder.path().join(format!("man/joint-{verb}.1"));
+        let page = std::fs::read_to_string(&page).unwrap_or_else(|error| panic!("{verb}: {error}"));
+        assert!(page.contains(".SH OPTIONS") && page.contains("Exit code"), "{verb}: {page}");
+    }
+    let program = std::fs::read_to_string(folder.path().join("man/joint.1")).unwrap();
+    assert!(program.contains("joint\\-discover(1)"), "{program}");
 }
 
 #[test]

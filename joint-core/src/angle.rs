@@ -111,6 +111,14 @@ float!(f64);
 
 /// An angle in turns: a whole number and a part between −½ and ½.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S::Whole: serde::Serialize",
+        deserialize = "S::Whole: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Angle<S: Turns> {
     /// Whole turns; wraps after 2³¹.
     pub whole: S::Whole,

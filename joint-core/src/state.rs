@@ -12,6 +12,7 @@ pub type Memory<S> = [S; MEMORIES];
 
 /// The bristle of one mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bristle<S> {
     /// ζ = σ0 z / α0: bristle torque over Coulomb level.
     pub zeta: S,
@@ -24,6 +25,7 @@ pub struct Bristle<S> {
 
 /// One mass: its speed and bristle, and the force and damping it was last found under.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mass<S> {
     /// Speed, reflected to the motor.
     pub speed: S,
@@ -35,6 +37,7 @@ pub struct Mass<S> {
 
 /// One stage: the spring's deflection and the mass behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StageState<S> {
     /// Deflection of the spring, reflected to the motor.
     pub deflection: S,
@@ -47,6 +50,14 @@ pub struct StageState<S> {
 
 /// All that moves in a joint of `N` stages.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S::Whole: serde::Serialize",
+        deserialize = "S::Whole: serde::Deserialize<'de>"
+    ))
+)]
 pub struct State<S: Turns, const N: usize> {
     /// Current in the two conducting phases.
     pub current: S,
@@ -55,6 +66,7 @@ pub struct State<S: Turns, const N: usize> {
     /// The rotor.
     pub rotor: Mass<S>,
     /// The stages, from the motor on.
+    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub stages: [StageState<S>; N],
     /// What effects remember.
     pub memory: Memory<S>,

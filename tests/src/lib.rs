@@ -7,6 +7,7 @@
 pub mod data;
 pub mod drive;
 pub mod elf;
+pub mod python;
 pub mod qemu;
 
 use std::io::Write;

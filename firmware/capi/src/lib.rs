@@ -6,12 +6,18 @@
 
 #![cfg_attr(target_os = "none", no_std)]
 #![allow(unsafe_code)]
+// The header says in C's terms what pointers must be.
+#![allow(clippy::missing_safety_doc)]
 
 use core::mem::MaybeUninit;
 
 use firmware::any_control::AnyControl;
 use firmware::block::Block;
+use joint_core::observer::Status as Health;
 use joint_core::telemetry::{Report, Status};
+
+/// Version of this header: major, minor and patch, a byte each.
+pub const JOINT_VERSION: u32 = 0x0000_0100;
 
 /// Eight-byte words of a joint.
 pub const JOINT_WORDS: usize = 768;
@@ -40,6 +46,37 @@ pub const JOINT_BLOCK_STAGES: i32 = 6;
 pub const JOINT_BLOCK_PAYLOAD: i32 = 7;
 /// The block holds a value that the equations cannot take.
 pub const JOINT_BLOCK_INADMISSIBLE: i32 = 8;
+
+/// Bit of `status`: no parameters were accepted: estimates are those of the documented default joint.
+pub const JOINT_STATUS_DEFAULTS: u16 = 1 << 0;
+/// Bit of `status`: a measurement was no number, or beyond what its sensor can show, and was left out.
+pub const JOINT_STATUS_MEASUREMENT: u16 = 1 << 1;
+/// Bit of `status`: the motor encoder moved further than the joint can in one period.
+pub const JOINT_STATUS_ENCODER_JUMP: u16 = 1 << 2;
+/// Bit of `status`: control periods were missed before this one.
+pub const JOINT_STATUS_LATE: u16 = 1 << 3;
+/// Bit of `status`: the output stage is enabled.
+pub const JOINT_STATUS_OUTPUT_ON: u16 = 1 << 4;
+/// Bit of `health`: the state is still settling after a start.
+pub const JOINT_HEALTH_STARTING: u16 = 1 << 0;
+/// Bit of `health`: the load cannot be seen: the joint is held by friction and no sensor is behind it.
+pub const JOINT_HEALTH_UNOBSERVABLE: u16 = 1 << 1;
+/// Bit of `health`: no rotor angle came with this sample; the model alone went on.
+pub const JOINT_HEALTH_COASTING: u16 = 1 << 2;
+/// Bit of `health`: a measurement was too far off to be believed, and was left out.
+pub const JOINT_HEALTH_GLITCH: u16 = 1 << 3;
+/// Bit of `health`: the very same measurements as before while the joint moved: left out.
+pub const JOINT_HEALTH_REPEATED: u16 = 1 << 4;
+/// Bit of `health`: the current sensor is at its end or silent; the current was left out.
+pub const JOINT_HEALTH_NO_CURRENT: u16 = 1 << 5;
+/// Bit of `health`: the applied voltage (or current) was not a number; the last one was kept.
+pub const JOINT_HEALTH_NO_DRIVE: u16 = 1 << 6;
+/// Bit of `health`: the innovations stay larger than the design says: wrong parameters, or a drive that does not put out what it is told.
+pub const JOINT_HEALTH_MISMATCH: u16 = 1 << 7;
+/// Bit of `health`: an estimate is at the bound it is held to.
+pub const JOINT_HEALTH_BOUNDED: u16 = 1 << 8;
+/// Bit of `health`: there is no estimate: no rotor angle has come yet, or for too long.
+pub const JOINT_HEALTH_LOST: u16 = 1 << 9;
 
 /// A joint: memory for the library, not to be looked into. It may be moved between calls.
 #[repr(C)]
@@ -70,9 +107,9 @@ pub struct Sample {
 pub struct Estimate {
     /// Control periods since the start.
     pub tick: u32,
-    /// What is wrong or special: zero where all is well; docs/firmware.md has the bits.
+    /// What is wrong or special, the bits JOINT_STATUS_...; zero where all is well.
     pub status: u16,
-    /// What the observer says of itself: zero where all is well; docs/firmware.md has the bits.
+    /// What the observer says of itself, the bits JOINT_HEALTH_...; zero where all is well.
     pub health: u16,
     /// Rotor speed, rad/s.
     pub motor_velocity_rad_per_s: f32,
@@ -111,15 +148,54 @@ struct Own {
 const MARK: u32 = 0x4a4f_494e;
 
 const _: () = assert!(size_of::<Own>() <= size_of::<Joint>(), "JOINT_WORDS is too small");
+const _: () = assert!(JOINT_STAGES == joint_core::telemetry::MAX_STAGES);
+/// The header's numbers are those of the code behind it, and of the package.
+const _: () = {
+    assert!(JOINT_STATUS_DEFAULTS == Status::DEFAULTS.0);
+    assert!(JOINT_STATUS_MEASUREMENT == Status::MEASUREMENT.0);
+    assert!(JOINT_STATUS_ENCODER_JUMP == Status::ENCODER_JUMP.0);
+    assert!(JOINT_STATUS_LATE == Status::LATE.0);
+    assert!(JOINT_STATUS_OUTPUT_ON == Status::OUTPUT_ON.0);
+    assert!(JOINT_HEALTH_STARTING == Health::STARTING.bits());
+    assert!(JOINT_HEALTH_UNOBSERVABLE == Health::UNOBSERVABLE.bits());
+    assert!(JOINT_HEALTH_COASTING == Health::COASTING.bits());
+    assert!(JOINT_HEALTH_GLITCH == Health::GLITCH.bits());
+    assert!(JOINT_HEALTH_REPEATED == Health::REPEATED.bits());
+    assert!(JOINT_HEALTH_NO_CURRENT == Health::NO_CURRENT.bits());
+    assert!(JOINT_HEALTH_NO_DRIVE == Health::NO_DRIVE.bits());
+    assert!(JOINT_HEALTH_MISMATCH == Health::MISMATCH.bits());
+    assert!(JOINT_HEALTH_BOUNDED == Health::BOUNDED.bits());
+    assert!(JOINT_HEALTH_LOST == Health::LOST.bits());
+    assert!(JOINT_VERSION == number(env!("CARGO_PKG_VERSION").as_bytes()));
+};
+
+/// A version as one number, a byte for each of its three parts.
+const fn number(version: &[u8]) -> u32 {
+    let (mut all, mut part, mut k) = (0, 0, 0);
+    while k < version.len() {
+        match version[k] {
+            b'.' => (all, part) = ((all + part) << 8, 0),
+            digit => part = part * 10 + (digit - b'0') as u32,
+        }
+        k += 1;
+    }
+    all + part
+}
+
 const _: () = assert!(align_of::<Own>() <= align_of::<Joint>());
 
-/// Prepares a joint from a parameter block, as `joint export --format block` writes it; what follows
+/// Version of the library: equal to JOINT_VERSION where header and library belong together.
+#[unsafe(no_mangle)]
+pub extern "C" fn joint_version() -> u32 {
+    JOINT_VERSION
+}
+
+/// Prepares a joint from a parameter block, as "joint export --format block" writes it; what follows
 /// the block in memory is not looked at. The joint is at rest. Returns JOINT_OK or why the block is
 /// refused, and then the joint is not initialised.
 ///
-/// # Safety
-/// `joint` is null or points to a `joint_t` of the caller's, and `block` is null or to `length`
-/// readable bytes.
+/// joint points to a joint_t of the caller's, block to length readable bytes; a null pointer is
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn joint_init(joint: *mut Joint, block: *const u8, length: usize) -> i32 {
     let own = joint.cast::<Own>();
@@ -147,9 +223,8 @@ pub unsafe extern "C" fn joint_init(joint: *mut Joint, block: *const u8, length:
 /// Advances the joint by one control period. Never blocks, and costs the same whatever the data.
 /// Returns JOINT_OK, or why nothing was done.
 ///
-/// # Safety
-/// `joint` is null or points to a `joint_t` that was given to `joint_init` or is all zeros, and
-/// `sample` is null or points to a sample.
+/// joint points to a joint_t that was given to joint_init or is all zeros, sample to a sample; a
+/// null pointer is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn joint_update(joint: *mut Joint, sample: *const Sample) -> i32 {
     let own = joint.cast::<Own>();
@@ -174,8 +249,8 @@ pub unsafe extern "C" fn joint_update(joint: *mut Joint, sample: *const Sample) 
 
 /// Reads what the last update left. Returns JOINT_OK, or why nothing was read.
 ///
-/// # Safety
-/// As `joint_update`; `estimate` is null or points to a place for an estimate.
+/// joint is as for joint_update, estimate points to a place for an estimate; a null pointer is
+/// refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn joint_estimate(joint: *const Joint, estimate: *mut Estimate) -> i32 {
     let own = joint.cast::<Own>();

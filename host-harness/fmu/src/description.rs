@@ -40,7 +40,8 @@ pub fn model_description(joint: &Joint, identifier: &str, guid: &str) -> String 
          description=\"A motor joint: motor, elastic gear stages, LuGre friction, effects\" \
          generationTool=\"joint export {}\" variableNamingConvention=\"structured\">\n  \
          <CoSimulation modelIdentifier=\"{identifier}\" \
-         canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\"/>\n  \
+         canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" \
+         canSerializeFMUstate=\"true\"/>\n  \
          <UnitDefinitions>\n",
         escaped(&joint.name),
         env!("CARGO_PKG_VERSION"),
@@ -81,10 +82,16 @@ fn scalar_variable(text: &mut String, reference: usize, variable: &Variable) {
     };
     let start = variable.start.map_or(String::new(), |start| format!(" start=\"{start:?}\""));
     let unit = unit(&variable.name).map_or(String::new(), |unit| format!(" unit=\"{unit}\""));
+    let [min, max] = ["min", "max"].map(|which| {
+        let limit = variable.limits[usize::from(which == "max")];
+        limit.map_or(String::new(), |limit| format!(" {which}=\"{limit:?}\""))
+    });
     let _ = writeln!(
         text,
-        "    <ScalarVariable name=\"{}\" valueReference=\"{reference}\" {kind}><Real{unit}{start}/></ScalarVariable>",
+        "    <ScalarVariable name=\"{}\" valueReference=\"{reference}\" description=\"{}\" {kind}>\
+         <Real{unit}{min}{max}{start}/></ScalarVariable>",
         escaped(&variable.name),
+        escaped(&variable.description),
     );
 }
 

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::slice;
 
 use crate::component::Component;
-use crate::joint::{Joint, JointError};
+use crate::joint::{Joint, JointError, guid};
 
 type Status = c_int;
 const OK: Status = 0;
@@ -110,10 +110,15 @@ fn path(uri: &str) -> PathBuf {
     PathBuf::from(text)
 }
 
-fn loaded(resources: &str) -> Result<Component, JointError> {
+fn loaded(resources: &str, wanted: &CStr) -> Result<Component, JointError> {
     let file = path(resources).join("joint.json");
     let text = std::fs::read_to_string(&file)
         .map_err(|error| JointError(format!("{}: {error}", file.display())))?;
+    let own = guid(&text);
+    if wanted.to_bytes() != own.as_bytes() {
+        let wanted = wanted.to_string_lossy();
+        return Err(JointError(format!("the guid {wanted} is not of this FMU, which is {own}")));
+    }
     Joint::read(&text).map(Component::new)
 }
 
@@ -153,9 +158,9 @@ functions! {
         callbacks: *const Callbacks, visible: c_int, logging: c_int,
     ) -> *mut Instance {
         // SAFETY: the tool's callbacks and strings, null or as the standard says.
-        let (name, resources, callbacks) = unsafe {
+        let (name, wanted, resources, callbacks) = unsafe {
             let text = |own: *const c_char| (!own.is_null()).then(|| CStr::from_ptr(own));
-            (text(name), text(resources), callbacks.as_ref())
+            (text(name), text(guid), text(resources), callbacks.as_ref())
         };
         let name = name.unwrap_or(c"joint").to_owned();
         let (logger, environment) =
@@ -163,7 +168,7 @@ functions! {
         let made = match resources {
             None => Err(JointError("no place of the resources".to_owned())),
             Some(_) if kind != 1 => Err(JointError("this FMU is for co-simulation".to_owned())),
-            Some(place) => loaded(&place.to_string_lossy()),
+            Some(place) => loaded(&place.to_string_lossy(), wanted.unwrap_or_default()),
         };
         match made {
             Ok(component) => {
@@ -190,8 +195,8 @@ functions! {
     ) -> Status {
         // SAFETY: as the standard says.
         let Some(own) = (unsafe { instance(own) }) else { return ERROR };
-        own.component.start_at(start);
-        OK
+        let result = own.component.start_at(start);
+        own.ended(result)
     }
 
     /// From here parameters may be set as well as before.
@@ -262,7 +267,7 @@ functions! {
     fn fmi2DoStep(own: *mut Instance, time: f64, step: f64, no_return: c_int) -> Status {
         // SAFETY: as the standard says.
         let Some(own) = (unsafe { instance(own) }) else { return ERROR };
-        let result = own.component.advance(time + step);
+        let result = own.component.advance(time, step);
         own.ended(result)
     }
 
@@ -288,6 +293,54 @@ functions! {
             return ERROR;
         };
         own.component = state.clone();
+        OK
+    }
+
+    /// How many bytes a state takes.
+    fn fmi2SerializedFMUstateSize(own: *mut Instance, state: *mut Component, size: *mut usize) -> Status {
+        // SAFETY: as the standard says: a state given here and not freed.
+        let (Some(own), Some(state), Some(size)) =
+            (unsafe { (instance(own), state.as_ref(), size.as_mut()) })
+        else {
+            return ERROR;
+        };
+        let result = state.bytes().map(|bytes| *size = bytes.len());
+        own.ended(result)
+    }
+
+    /// A state as bytes.
+    fn fmi2SerializeFMUstate(own: *mut Instance, state: *mut Component, bytes: *mut u8, size: usize) -> Status {
+        // SAFETY: as the standard says: a state given here and not freed.
+        let (Some(own), Some(state)) = (unsafe { (instance(own), state.as_ref()) }) else {
+            return ERROR;
+        };
+        let result = state.bytes().and_then(|own| {
+            if bytes.is_null() || own.len() > size {
+                return Err(JointError(format!("a state takes {} bytes, not {size}", own.len())));
+            }
+            // SAFETY: room for `size` bytes, of which these are at most as many.
+            unsafe { std::ptr::copy_nonoverlapping(own.as_ptr(), bytes, own.len()) };
+            Ok(())
+        });
+        own.ended(result)
+    }
+
+    /// A state from its bytes.
+    fn fmi2DeSerializeFMUstate(own: *mut Instance, bytes: *const u8, size: usize, state: *mut *mut Component) -> Status {
+        // SAFETY: as the standard says: `size` bytes; what is there is null or was given here.
+        let (Some(own), Some(bytes), Some(place)) =
+            (unsafe { (instance(own), list(bytes, size), state.as_mut()) })
+        else {
+            return ERROR;
+        };
+        match own.component.from_bytes(bytes) {
+            // SAFETY: null, or a state given here and not freed.
+            Ok(made) => match unsafe { place.as_mut() } {
+                Some(old) => *old = made,
+                None => *place = Box::into_raw(Box::new(made)),
+            },
+            Err(error) => return own.ended(Err(error)),
+        }
         OK
     }
 
@@ -331,9 +384,6 @@ refused! {
     fmi2SetBoolean(References, usize, *const c_int): "no booleans",
     fmi2GetString(References, usize, *mut *const c_char): "no strings",
     fmi2SetString(References, usize, *const *const c_char): "no strings",
-    fmi2SerializedFMUstateSize(*mut c_void, *mut usize): "no states as bytes",
-    fmi2SerializeFMUstate(*mut c_void, *mut c_char, usize): "no states as bytes",
-    fmi2DeSerializeFMUstate(*const c_char, usize, *mut *mut c_void): "no states as bytes",
     fmi2GetDirectionalDerivative(References, usize, References, usize, *const f64, *mut f64): "no derivatives",
     fmi2SetRealInputDerivatives(References, usize, *const c_int, *const f64): "inputs that are held, without derivatives",
     fmi2GetRealOutputDerivatives(References, usize, *const c_int, *mut f64): "no derivatives",

@@ -6,6 +6,8 @@ use joint_core::params::{Load, Motor, Stage};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::descriptions::{self, Limits};
+
 /// What the importing tool puts in first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -98,7 +100,23 @@ pub struct Variable {
     pub causality: Causality,
     /// Its value at the start; outputs have none.
     pub start: Option<f64>,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// Smallest and largest value, where there is one.
+    pub limits: Limits,
 }
+
+/// A number of the joint that may be set before it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Parameter {
+    pub(crate) name: String,
+    /// Its place in the file; none for where the joint starts.
+    place: Option<String>,
+    pub(crate) value: f64,
+}
+
+/// Where the joint starts: the last parameters.
+const START: [&str; 2] = ["initial.motor_angle_rad", "initial.motor_speed_rad_per_s"];
 
 /// What a variable is to the importing tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,11 +166,20 @@ impl Joint {
             "motor_bristle",
             "output_angle_rad",
             "output_speed_rad_per_s",
+            "motor_torque_nm",
+            "motor_friction_nm",
         ]
         .map(str::to_owned)
         .into();
         for number in 1..=self.stage.len() {
-            let quantities = ["angle_rad", "speed_rad_per_s", "windup_rad", "bristle"];
+            let quantities = [
+                "angle_rad",
+                "speed_rad_per_s",
+                "windup_rad",
+                "bristle",
+                "torque_nm",
+                "friction_nm",
+            ];
             names.extend(quantities.map(|quantity| format!("stage{number}_{quantity}")));
         }
         names
@@ -164,26 +191,22 @@ impl Joint {
             Input::Voltage => "voltage_v",
             Input::Current => "command_current_a",
         };
-        let inputs = [drive, "load_torque_nm"].map(|name| Variable {
-            name: name.to_owned(),
-            causality: Causality::Input,
-            start: Some(0.0),
-        });
-        let outputs = self.outputs().into_iter().map(|name| Variable {
-            name,
-            causality: Causality::Output,
-            start: None,
-        });
-        let parameters = self.parameters().into_iter().map(|(name, _, value)| Variable {
-            name,
-            causality: Causality::Parameter,
-            start: Some(value),
-        });
-        inputs.into_iter().chain(outputs).chain(parameters).collect()
+        let variable = |name: String, causality, start| {
+            let (description, limits) = descriptions::of(self, &name);
+            Variable { name, causality, start, description, limits }
+        };
+        let inputs = [drive, "load_torque_nm"].map(str::to_owned).into_iter();
+        let inputs = inputs.map(|name| variable(name, Causality::Input, Some(0.0)));
+        let outputs = self.outputs().into_iter();
+        let outputs = outputs.map(|name| variable(name, Causality::Output, None));
+        let parameters = self.parameters().into_iter();
+        let parameters =
+            parameters.map(|own| variable(own.name, Causality::Parameter, Some(own.value)));
+        inputs.chain(outputs).chain(parameters).collect()
     }
 
-    /// The numbers of motor, stages, load and effects: name, place in the file, value.
-    pub(crate) fn parameters(&self) -> Vec<(String, String, f64)> {
+    /// The numbers of motor, stages, load and effects, and where the joint starts.
+    pub(crate) fn parameters(&self) -> Vec<Parameter> {
         let mut found = Vec::new();
         let Ok(file) = serde_json::to_value(self) else { return found };
         for table in ["motor", "stage", "load", "effect"] {
@@ -191,19 +214,24 @@ impl Joint {
                 numbers(value, table, &format!("/{table}"), &mut found);
             }
         }
+        let start = START.map(|name| Parameter { name: name.to_owned(), place: None, value: 0.0 });
+        found.extend(start);
         found
+    }
+
+    /// Initial angle and speed of the rotor, of values in the order of [`Joint::parameters`].
+    pub(crate) fn start(&self, values: &[f64]) -> [f64; 2] {
+        values.last_chunk().copied().unwrap_or_default()
     }
 
     /// The same joint with other numbers, in the order of [`Joint::parameters`].
     pub(crate) fn with(&self, values: &[f64]) -> Result<Self, JointError> {
         let wrong = |what: &dyn std::fmt::Display| JointError(what.to_string());
         let mut file = serde_json::to_value(self).map_err(|error| wrong(&error))?;
-        for ((name, place, before), value) in self.parameters().iter().zip(values) {
-            if before == value {
-                continue;
-            }
+        for (own, value) in self.parameters().iter().zip(values) {
+            let Some(place) = own.place.as_ref().filter(|_| own.value != *value) else { continue };
             if !value.is_finite() {
-                return Err(JointError(format!("{name} is no finite number")));
+                return Err(JointError(format!("{} is no finite number", own.name)));
             }
             if let Some(slot) = file.pointer_mut(place) {
                 let whole = slot.is_u64() && value.fract() == 0.0 && *value >= 0.0;
@@ -214,12 +242,20 @@ impl Joint {
     }
 }
 
+/// What an FMU of this file is recognised by: FNV-1a of its text, of 64 bits.
+pub fn guid(text: &str) -> String {
+    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("{{joint-{}-{hash:016x}}}", env!("CARGO_PKG_VERSION"))
+}
+
 /// Every number below a value; elements of lists count from 1 in names.
-fn numbers(value: &Value, name: &str, place: &str, found: &mut Vec<(String, String, f64)>) {
+fn numbers(value: &Value, name: &str, place: &str, found: &mut Vec<Parameter>) {
     match value {
         Value::Number(number) => {
             let value = number.as_f64().unwrap_or(f64::NAN);
-            found.push((name.to_owned(), place.to_owned(), value));
+            found.push(Parameter { name: name.to_owned(), place: Some(place.to_owned()), value });
         }
         Value::Array(list) => {
             for (k, value) in list.iter().enumerate() {

@@ -9,9 +9,10 @@
 
 mod component;
 mod description;
+mod descriptions;
 mod functions;
 mod joint;
 mod running;
 
 pub use description::model_description;
-pub use joint::{EffectDescription, Input, Joint, JointError, Variable};
+pub use joint::{EffectDescription, Input, Joint, JointError, Variable, guid};

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use joint_core::angle::Angle;
 use joint_core::effect::EffectSet;
 use joint_core::joint::{Drive, Joint as Core, Settings, State};
 use joint_core::params::Stage;
@@ -20,18 +21,29 @@ pub(crate) trait Running {
     fn outputs(&self, into: &mut Vec<f64>);
     /// The same joint in the same state.
     fn copy(&self) -> Box<dyn Running>;
+    /// The state as bytes.
+    fn state(&self) -> Result<Vec<u8>, JointError>;
+    /// Back to a state from its bytes.
+    fn set_state(&mut self, bytes: &[u8]) -> Result<(), JointError>;
 }
 
-/// The joint at rest.
-pub(crate) fn at_rest(joint: &Joint) -> Result<Box<dyn Running>, JointError> {
+/// Where the joint is when it starts, every spring relaxed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Start {
+    pub(crate) motor_angle_rad: f64,
+    pub(crate) motor_speed_rad_per_s: f64,
+}
+
+/// The joint at its start.
+pub(crate) fn started(joint: &Joint, start: Start) -> Result<Box<dyn Running>, JointError> {
     match joint.stage.len() {
-        0 => built::<0>(joint),
-        1 => built::<1>(joint),
-        2 => built::<2>(joint),
-        3 => built::<3>(joint),
-        4 => built::<4>(joint),
-        5 => built::<5>(joint),
-        6 => built::<6>(joint),
+        0 => built::<0>(joint, start),
+        1 => built::<1>(joint, start),
+        2 => built::<2>(joint, start),
+        3 => built::<3>(joint, start),
+        4 => built::<4>(joint, start),
+        5 => built::<5>(joint, start),
+        6 => built::<6>(joint, start),
         more => Err(JointError(format!("{more} stages; at most {MAX_STAGES} are supported"))),
     }
 }
@@ -44,7 +56,7 @@ struct Built<const N: usize> {
     shafts: [f64; N],
 }
 
-fn built<const N: usize>(joint: &Joint) -> Result<Box<dyn Running>, JointError> {
+fn built<const N: usize>(joint: &Joint, start: Start) -> Result<Box<dyn Running>, JointError> {
     let wrong = |error: &dyn std::fmt::Display| JointError(error.to_string());
     let stages: &[Stage; N] = joint.stage.as_slice().try_into().map_err(|error| wrong(&error))?;
     let effects = joint.effects()?;
@@ -54,7 +66,17 @@ fn built<const N: usize>(joint: &Joint) -> Result<Box<dyn Running>, JointError> 
         .map_err(|error| wrong(&error))?;
     let bases = Bases::si(&joint.motor, stages);
     let shafts = std::array::from_fn(|k| bases.shaft(k + 1));
-    Ok(Box::new(Built { state: core.rest(), joint: core, shafts }))
+    let mut state = core.rest();
+    state.angle = Angle::from_turns(start.motor_angle_rad / TAU);
+    for mass in 0..=N {
+        // As they are felt at the motor, all speeds are the rotor's; in motion bristles are stretched.
+        core.set_speed(&mut state, mass, start.motor_speed_rad_per_s);
+        let moves = start.motor_speed_rad_per_s != 0.0;
+        let bristle = if moves { start.motor_speed_rad_per_s.signum() } else { 0.0 };
+        core.set_bristle(&mut state, mass, bristle);
+    }
+    core.refresh(&mut state);
+    Ok(Box::new(Built { state, joint: core, shafts }))
 }
 
 impl<const N: usize> Running for Built<N> {
@@ -74,6 +96,8 @@ impl<const N: usize> Running for Built<N> {
         into.clear();
         into.extend([joint.current_a(state), joint.measured_current_a(state)]);
         into.extend([angle, speed, joint.bristle(state, 0), angle, speed]);
+        let torques = joint.torques(state);
+        into.extend([torques.motor, torques.motor_friction]);
         let mut wound = 0.0;
         for (k, shaft) in self.shafts.iter().enumerate() {
             let deflection = joint.deflection_rad(state, k);
@@ -86,10 +110,22 @@ impl<const N: usize> Running for Built<N> {
                 output.copy_from_slice(&[behind, speed]);
             }
             into.extend([behind, speed, deflection * shaft, bristle]);
+            // At the mass's own side.
+            into.extend([torques.stages[k] / shaft, torques.stage_friction[k] / shaft]);
         }
     }
 
     fn copy(&self) -> Box<dyn Running> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> Result<Vec<u8>, JointError> {
+        postcard::to_stdvec(&self.state).map_err(|error| JointError(error.to_string()))
+    }
+
+    fn set_state(&mut self, bytes: &[u8]) -> Result<(), JointError> {
+        let unreadable = |error| JointError(format!("these bytes are no state of it: {error}"));
+        self.state = postcard::from_bytes(bytes).map_err(unreadable)?;
+        Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use joint_core::joint::Drive;
-use joint_fmu::{EffectDescription, Input, Joint, model_description};
+use joint_fmu::{EffectDescription, Input, Joint, guid, model_description};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -38,10 +38,7 @@ pub fn fmu(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError
     let contents = std::fs::read(&library)
         .map_err(|error| ExportError::Library(format!("{}: {error}", library.display())))?;
     let (text, name) = (joint.text(), identifier(model));
-    let mut crc = flate2::Crc::new();
-    crc.update(text.as_bytes());
-    let guid = format!("{{joint-{}-{:08x}}}", env!("CARGO_PKG_VERSION"), crc.sum());
-    let description = model_description(&joint, &name, &guid);
+    let description = model_description(&joint, &name, &guid(&text));
     let binary = format!("binaries/{}/{name}{DLL_SUFFIX}", platform()?);
     archive(&[
         ("modelDescription.xml", description.as_bytes()),

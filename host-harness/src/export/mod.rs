@@ -8,6 +8,7 @@ pub mod block;
 pub mod fmu;
 pub mod mjcf;
 pub mod rust;
+pub mod urdf;
 
 use joint_core::joint::Drive;
 

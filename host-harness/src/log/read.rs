@@ -11,6 +11,7 @@ use std::path::Path;
 use super::table::{Table, listed};
 use super::{CURRENT, KNOWN, Log, MOTOR_ANGLE, OUTPUT_ANGLE, TIME, VOLTAGE};
 use crate::fault::InputError;
+use crate::standard;
 
 /// What the reader of a log cannot do without, beside time and rotor angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +53,7 @@ impl Log {
 
 /// Most bytes of a log's or recording's text, decompressed: of 10 million rows and ten columns. It is held
 /// in memory, and its numbers beside it.
-const MOST_BYTES: u64 = 1 << 30;
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// The bytes of a file, decompressed where its content says that it is compressed.
 ///
@@ -60,7 +61,10 @@ const MOST_BYTES: u64 = 1 << 30;
 /// It cannot be read or decompressed.
 pub(crate) fn unpacked(path: &Path) -> Result<Vec<u8>, InputError> {
     let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
-    let mut raw = BufReader::new(File::open(path).map_err(unreadable)?);
+    let mut raw: Box<dyn BufRead> = match standard::is(path) {
+        true => Box::new(standard::input().map_err(unreadable)?),
+        false => Box::new(BufReader::new(File::open(path).map_err(unreadable)?)),
+    };
     let mut bytes = Vec::new();
     let most = MOST_BYTES + 1;
     if raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]) {

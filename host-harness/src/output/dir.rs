@@ -9,6 +9,7 @@ use tempfile::TempDir;
 
 use super::place::{DONE, FILES, NEW, place, sweep};
 use super::{PREFIX, is_same, missing, over_an_input, settle, unwritable};
+use crate::standard;
 use crate::verb::Failure;
 
 /// A folder of results, locked against other runs for as long as this one has it.
@@ -30,6 +31,11 @@ impl OutDir {
     /// It holds something already, another run writes there, it is not a folder, or nothing can be
     /// written there.
     pub fn new(path: &Path, force: bool) -> Result<Self, Failure> {
+        if standard::is(path) {
+            return Err(Failure::input(
+                "--out -: the result is several files\n  help: give a folder's name",
+            ));
+        }
         let shown = path.display();
         if path.exists() && !path.is_dir() {
             return Err(Failure::input(format!(

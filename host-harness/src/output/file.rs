@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::{PREFIX, folder_of, is_same, nearest, over_an_input, unwritable};
 use crate::log::compressed;
+use crate::standard;
 use crate::verb::Failure;
 
 /// A single file of results.
@@ -16,11 +17,14 @@ pub struct OutFile {
 }
 
 impl OutFile {
-    /// A file to write: absent, or, with `force`, one to replace.
+    /// A file to write: absent, or, with `force`, one to replace; `-` is standard output.
     ///
     /// # Errors
     /// It is there already, it is a folder or a device, or nothing can be written there.
     pub fn new(path: &Path, force: bool) -> Result<Self, Failure> {
+        if standard::is(path) {
+            return Ok(Self { path: path.to_owned(), force });
+        }
         let shown = path.display();
         if path.is_dir() {
             return Err(Failure::input(format!(
@@ -74,6 +78,10 @@ impl OutFile {
     pub fn write(&self, contents: impl AsRef<[u8]>) -> Result<PathBuf, Failure> {
         let path = &self.path;
         let refused = |error: io::Error| unwritable(path, &error);
+        if standard::is(path) {
+            standard::write(contents.as_ref()).map_err(refused)?;
+            return Ok(path.clone());
+        }
         let folder = folder_of(path);
         fs::create_dir_all(folder).map_err(refused)?;
         let mut builder = tempfile::Builder::new();

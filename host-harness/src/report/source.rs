@@ -6,8 +6,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use sha2::{Digest, Sha256};
 
+use crate::log::Log;
+use crate::model::Model;
 use crate::output::OutDir;
 use crate::plot::text::escape;
+use crate::standard;
 
 /// A file as it was read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -22,7 +25,12 @@ impl File {
     /// A file's path and hash; without a hash where it can no longer be read. It may wait in a folder of
     /// results for its place.
     fn read(path: &Path, out: &OutDir) -> Self {
-        let hash = std::fs::read(out.readable(path)).map_or(String::new(), |bytes| sha256(&bytes));
+        let hash = match standard::is(path) {
+            true => standard::input().map_or(String::new(), sha256),
+            false => {
+                std::fs::read(out.readable(path)).map_or(String::new(), |bytes| sha256(&bytes))
+            }
+        };
         Self { path: path.to_owned(), sha256: hash }
     }
 }
@@ -60,6 +68,23 @@ impl Source {
             out: out.path().to_owned(),
             date: now(),
             assumed: assumed(&text),
+        }
+    }
+
+    /// Of a model and logs that are in memory; hashes are of the files that they would be written as.
+    pub fn in_memory(command: String, model: &Model, logs: &[Log]) -> Self {
+        let file = |path: String, text: String| File {
+            path: path.into(),
+            sha256: sha256(text.as_bytes()),
+        };
+        let log = |(k, log): (usize, &Log)| file(format!("log {}", k + 1), log.to_csv());
+        Self {
+            command,
+            model: file(model.name.clone(), model.to_toml()),
+            logs: logs.iter().enumerate().map(log).collect(),
+            out: PathBuf::from("."),
+            date: now(),
+            assumed: Vec::new(),
         }
     }
 

@@ -34,7 +34,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", conflicts_with = "model")]
     pub budgets: Option<PathBuf>,
     /// Model whose step is counted
-    #[arg(long, value_name = "FILE")]
+    #[arg(short = 'm', long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Length of its step, µs
     #[arg(long, value_name = "T", default_value_t = 50.0, requires = "model", value_parser = super::positive)]

@@ -8,7 +8,6 @@ use serde_json::json;
 
 use super::{Common, Failure, Outcome};
 use crate::log::write_columns;
-use crate::output::OutFile;
 
 /// Arm a drive's capture ring and fetch it, or read a recorded stream
 ///
@@ -33,8 +32,8 @@ pub struct Args {
     /// How long to wait for the trigger
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = super::positive)]
     pub seconds: f64,
-    /// Log to write, compressed where it ends in .gz
-    #[arg(long, value_name = "CSV")]
+    /// Log to write, compressed where it ends in .gz; - is standard output
+    #[arg(short = 'o', long, value_name = "CSV")]
     pub out: PathBuf,
 }
 
@@ -67,7 +66,7 @@ impl Args {
 /// # Errors
 /// A stream that cannot be read or holds no whole capture, or a log that cannot be written.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?;
+    let out = common.file(&args.out)?;
     let recording = args.source.capture(args.trigger(), args.after, args.seconds)?;
     let columns = recording.capture().ok_or_else(|| args.source.silent())?;
     if recording.capture_is_whole() != Some(true) {

@@ -21,10 +21,10 @@ use crate::preflight::{self, CHECKS, Case, Finding, Severity};
   joint check --model arm.toml --log arm.csv")]
 pub struct Args {
     /// Model file
-    #[arg(long, value_name = "TOML")]
+    #[arg(short = 'm', long, value_name = "TOML")]
     pub model: PathBuf,
-    /// Logs of the joint
-    #[arg(long, value_name = "CSV", required = true, num_args = 1..)]
+    /// Logs of the joint; - is standard input
+    #[arg(short = 'l', long, value_name = "CSV", required = true, num_args = 1..)]
     pub log: Vec<PathBuf>,
 }
 

@@ -22,22 +22,22 @@ use crate::scenario;
   joint cross-check --model found/model.toml --log log.csv")]
 pub struct Args {
     /// Folder for the result
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Run this many random plants instead of the scenarios
     #[arg(long, value_name = "N")]
     pub random: Option<u64>,
     /// Seed of the first random plant
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "random")]
+    #[arg(short = 's', long, value_name = "N", default_value_t = 1, requires = "random")]
     pub seed: u64,
     /// Random plants with springs up to a million times stiffer
     #[arg(long, requires = "random")]
     pub stiff: bool,
     /// Run this model, its effects with it, along the inputs of a log instead of the scenarios
-    #[arg(long, value_name = "TOML", requires = "log", conflicts_with = "random")]
+    #[arg(short = 'm', long, value_name = "TOML", requires = "log", conflicts_with = "random")]
     pub model: Option<PathBuf>,
     /// The log, of which the first second counts
-    #[arg(long, value_name = "CSV", requires = "model")]
+    #[arg(short = 'l', long, value_name = "CSV", requires = "model")]
     pub log: Option<PathBuf>,
 }
 

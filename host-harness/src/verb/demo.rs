@@ -19,10 +19,10 @@ use crate::report::{Source, quoted};
   joint demo --seed 7")]
 pub struct Args {
     /// Which effect is hidden and which noise is drawn; a random one where left out
-    #[arg(long, value_name = "N")]
+    #[arg(short = 's', long, value_name = "N")]
     pub seed: Option<u64>,
     /// Folder for the result
-    #[arg(long, value_name = "DIR", default_value = "joint-demo")]
+    #[arg(short = 'o', long, value_name = "DIR", default_value = "joint-demo")]
     pub out: PathBuf,
 }
 

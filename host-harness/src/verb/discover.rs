@@ -23,13 +23,13 @@ use crate::report::{self, Source, quoted};
   joint discover --model arm.toml --log arm.csv --out found")]
 pub struct Args {
     /// Model file
-    #[arg(long, value_name = "TOML")]
+    #[arg(short = 'm', long, value_name = "TOML")]
     pub model: PathBuf,
-    /// Logs of the joint
-    #[arg(long, value_name = "CSV", required = true, num_args = 1..)]
+    /// Logs of the joint; - is standard input
+    #[arg(short = 'l', long, value_name = "CSV", required = true, num_args = 1..)]
     pub log: Vec<PathBuf>,
     /// Folder for the result
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
     /// Kinds of effects that are not to be considered
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = kind)]

@@ -10,13 +10,12 @@ use serde_json::json;
 use super::{Common, Failure, Outcome, read_model};
 use crate::export::{self, DriveOptions};
 use crate::model::Model;
-use crate::output::OutFile;
 
 /// Turn a model into parameters for the firmware, or into another tool's model
 ///
 /// `block` is what the drive's flash page holds, `rust` the same as a source file; `fmu` is a unit
-/// of FMI 2.0 for co-simulation that steps this very joint, `mjcf` a MuJoCo model, which says what it
-/// had to leave out.
+/// of FMI 2.0 for co-simulation that steps this very joint, `mjcf` a MuJoCo model and `urdf` a rigid joint, which
+/// say what they had to leave out.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint export --model found/model.toml --format block --out joint.block
@@ -25,13 +24,13 @@ use crate::output::OutFile;
   joint export --model found/model.toml --format mjcf --out joint.xml --bus-v 24")]
 pub struct Args {
     /// Model file
-    #[arg(long, value_name = "TOML")]
+    #[arg(short = 'm', long, value_name = "TOML")]
     pub model: PathBuf,
     /// What to write
-    #[arg(long, value_enum)]
+    #[arg(short = 'F', long, value_enum)]
     pub format: Format,
-    /// File to write
-    #[arg(long, value_name = "F")]
+    /// File to write; - is standard output
+    #[arg(short = 'o', long, value_name = "F")]
     pub out: PathBuf,
     /// Control period of the drive, microseconds
     #[arg(long, value_name = "N", default_value_t = 50.0, value_parser = super::positive)]
@@ -58,6 +57,8 @@ pub enum Format {
     Fmu,
     /// MuJoCo model
     Mjcf,
+    /// URDF: one rigid joint with friction, damping, limits and transmission
+    Urdf,
 }
 
 /// Which quantity drives the joint.
@@ -88,7 +89,7 @@ impl Args {
 /// # Errors
 /// A model that cannot be read or expressed, or a file that cannot be written.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?.apart_from([&args.model])?;
+    let out = common.file(&args.out)?.apart_from([&args.model])?;
     let model = read_model(&args.model)?;
     let refused = |error| Failure::input(format!("{}: {error}", args.model.display()));
     let (contents, more) = contents(args, &model).map_err(refused)?;
@@ -112,6 +113,14 @@ struct More {
     text: String,
 }
 
+impl More {
+    /// What another tool's model leaves out.
+    fn without(lost: Vec<String>) -> Self {
+        let text = lost.iter().map(|own| format!("\nleft out: {own}")).collect();
+        Self { lost: Some(lost), text, ..Self::default() }
+    }
+}
+
 fn contents(args: &Args, model: &Model) -> Result<(Vec<u8>, More), export::ExportError> {
     let options = args.options();
     match args.format {
@@ -127,8 +136,11 @@ fn contents(args: &Args, model: &Model) -> Result<(Vec<u8>, More), export::Expor
         Format::Fmu => export::fmu::fmu(model, &options).map(|bytes| (bytes, More::default())),
         Format::Mjcf => {
             let export::mjcf::Mjcf { text: contents, lost } = export::mjcf::mjcf(model, &options);
-            let text = lost.iter().map(|own| format!("\nleft out: {own}")).collect();
-            Ok((contents.into_bytes(), More { lost: Some(lost), text, ..More::default() }))
+            Ok((contents.into_bytes(), More::without(lost)))
+        }
+        Format::Urdf => {
+            let export::urdf::Urdf { text: contents, lost } = export::urdf::urdf(model, &options);
+            Ok((contents.into_bytes(), More::without(lost)))
         }
     }
 }

@@ -8,12 +8,14 @@ use serde_json::{Map, json};
 
 use super::load::read_checked;
 use super::{Common, Failure, Outcome, read_model};
+use crate::discover::DiscoverError;
 use crate::discover::findings::ParameterRow;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
 use crate::estimate::refit;
 use crate::estimate::timing::{self, asked};
+use crate::log::Log;
 use crate::model::Model;
 use crate::output::OutDir;
 use crate::plant::micro_steps;
@@ -28,13 +30,13 @@ use crate::report::{self, Refit, Source, quoted};
   joint identify --model arm.toml --log arm.csv --out refit")]
 pub struct Args {
     /// Model file
-    #[arg(long, value_name = "TOML")]
+    #[arg(short = 'm', long, value_name = "TOML")]
     pub model: PathBuf,
-    /// Log to refit on
-    #[arg(long, value_name = "CSV")]
+    /// Log to refit on; - is standard input
+    #[arg(short = 'l', long, value_name = "CSV")]
     pub log: PathBuf,
     /// Folder for the result
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
     /// Go on where log and model cannot both be right (see `joint check`)
     #[arg(long)]
@@ -50,43 +52,80 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         .apart_from([&args.model, &args.log], &["model.toml", "identify.json", "report.html"])?;
     let model = read_model(&args.model)?;
     let log = read_checked(&args.log, (&args.model, &model), args.anyway)?;
-    if log.len() < LEAST_SAMPLES {
-        let (log, samples) = (args.log.display(), log.len());
-        return Err(Failure::input(format!(
-            "{log}: has {samples} samples; give at least {LEAST_SAMPLES}"
-        )));
-    }
     let bar = common.progress(0, "refitting");
-    let coarse = Record::new(&log, None);
-    let record = coarse.refined(micro_steps(&model, coarse.grid.interval(0)).max(2));
-    let mask = vec![1.0; record.len()];
-    let fitted = |record: &Record| refit::refit(&Problem::new(record, &mask).cautious(), &model);
-    let (record, fit) = asked(&model, record, fitted)
-        .map_err(|error| Failure::input(format!("{}: {error}", args.model.display())))?;
-    let problem = Problem::new(&record, &mask).cautious();
+    let found = identified(&model, &log).map_err(|error| match error {
+        DiscoverError::Short(samples) => Failure::input(format!(
+            "{}: has {samples} samples; give at least {LEAST_SAMPLES}",
+            args.log.display()
+        )),
+        error => Failure::input(format!("{}: {error}", args.model.display())),
+    })?;
     bar.finish_and_clear();
-    let rows = rows(&model, &fit, &problem.covariance(&fit));
-    let json = result(rows.as_slice(), &fit, &record);
+    let json = found.json();
     let pretty =
         serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
-    out.write("model.toml", fit.model.to_toml())?;
+    out.write("model.toml", found.model().to_toml())?;
     out.write("identify.json", pretty)?;
-    let page = report::refit(
-        &Refit {
-            nominal: &model,
-            refitted: &fit.model,
-            parameters: &rows.iter().map(|row| row.shown.clone()).collect::<Vec<_>>(),
-            timing: timing::told(&record),
-        },
-        &log,
-        &source(args, &out),
-    );
-    out.write("report.html", page)?;
-    let said = timing::told(&record).map(|told| format!("{told}\n")).unwrap_or_default();
+    out.write("report.html", found.report(&model, &log, &source(args, &out)))?;
+    let said = found.timing().map(|told| format!("{told}\n")).unwrap_or_default();
     let path = out.path().join("model.toml");
     out.finish()?;
-    let text = format!("{}{said}model: {}", table(&rows), path.display());
+    let text = format!("{}{said}model: {}", table(&found.rows), path.display());
     Ok(Outcome::done(json, text))
+}
+
+/// A model refitted to a log.
+pub struct Identified {
+    rows: Vec<Row>,
+    fit: Fit,
+    record: Record,
+}
+
+/// Refits a model to a log.
+///
+/// # Errors
+/// The model cannot be built, or the log is too short.
+pub fn identified(model: &Model, log: &Log) -> Result<Identified, DiscoverError> {
+    if log.len() < LEAST_SAMPLES {
+        return Err(DiscoverError::Short(log.len()));
+    }
+    let coarse = Record::new(log, None);
+    let record = coarse.refined(micro_steps(model, coarse.grid.interval(0)).max(2));
+    let mask = vec![1.0; record.len()];
+    let fitted = |record: &Record| refit::refit(&Problem::new(record, &mask).cautious(), model);
+    let (record, fit) = asked(model, record, fitted)?;
+    let problem = Problem::new(&record, &mask).cautious();
+    let rows = rows(model, &fit, &problem.covariance(&fit));
+    Ok(Identified { rows, fit, record })
+}
+
+impl Identified {
+    /// The refitted model.
+    pub fn model(&self) -> &Model {
+        &self.fit.model
+    }
+
+    /// `identify.json`.
+    pub fn json(&self) -> serde_json::Value {
+        result(&self.rows, &self.fit, &self.record)
+    }
+
+    /// What was found of the log's timing, in a sentence.
+    pub fn timing(&self) -> Option<&'static str> {
+        timing::told(&self.record)
+    }
+
+    /// The report.
+    pub fn report(&self, nominal: &Model, log: &Log, source: &Source) -> String {
+        let parameters: Vec<_> = self.rows.iter().map(|row| row.shown.clone()).collect();
+        let refit = Refit {
+            nominal,
+            refitted: &self.fit.model,
+            parameters: &parameters,
+            timing: self.timing(),
+        };
+        report::refit(&refit, log, source)
+    }
 }
 
 /// Where the report comes from.

@@ -13,7 +13,6 @@ use crate::import::number::Decimal;
 use crate::import::preset::Preset;
 use crate::import::settings::Settings;
 use crate::import::{Imported, map_file, text};
-use crate::output::OutFile;
 
 /// Make a log of a recording: other columns, units, separators
 ///
@@ -31,17 +30,18 @@ use crate::output::OutFile;
   joint import vesc.csv --preset vesc --out log.csv
   joint import monitor.txt --preset simplefoc --rate 100 --out log.csv")]
 pub struct Args {
-    /// Recording: text between commas, semicolons, tabs, bars or spaces, compressed or not
+    /// Recording: text between commas, semicolons, tabs, bars or spaces, compressed or not; - is standard
+    /// input
     #[arg(value_name = "RAW")]
     pub raw: PathBuf,
     /// Which column is which signal, or a map file (.toml); more than one add up, later ones count
     #[arg(long, value_name = "MAP")]
     pub map: Vec<String>,
     /// Map of a known drive; --map adds to it and replaces signals of it
-    #[arg(long, value_enum)]
+    #[arg(short = 'p', long, value_enum)]
     pub preset: Option<Preset>,
-    /// Log to write, compressed where it ends in .gz
-    #[arg(long, value_name = "LOG")]
+    /// Log to write, compressed where it ends in .gz; - is standard output
+    #[arg(short = 'o', long, value_name = "LOG")]
     pub out: PathBuf,
     /// Write the map, as it was applied, to a file for the next recording
     #[arg(long, value_name = "TOML")]
@@ -125,7 +125,7 @@ fn read_map(path: &Path) -> Result<(Map, Settings), InputError> {
 /// # Errors
 /// A recording or a map that cannot be read, or a file that cannot be written.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let file = |path: &PathBuf| OutFile::new(path, common.force)?.apart_from([&args.raw]);
+    let file = |path: &PathBuf| common.file(path)?.apart_from([&args.raw]);
     let out = file(&args.out)?;
     let save = args.save_map.as_ref().map(file).transpose()?;
     let (map, settings) = args.map()?;

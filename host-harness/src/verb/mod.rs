@@ -7,6 +7,7 @@
 pub mod budget;
 pub mod capture;
 pub mod check;
+pub mod completions;
 pub mod cross_check;
 pub mod demo;
 pub mod discover;
@@ -17,6 +18,7 @@ pub mod flash;
 pub mod identify;
 pub mod import;
 mod load;
+pub mod man;
 pub mod monitor;
 pub mod new;
 pub mod observe;
@@ -26,11 +28,14 @@ pub mod score;
 pub mod simulate;
 pub mod transfer;
 
+use std::path::Path;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::fault::InputError;
+use crate::output::OutFile;
+use crate::standard;
 
 pub use load::{Scalar, read_log, read_model};
 
@@ -41,11 +46,24 @@ pub struct Common {
     #[arg(long, global = true, display_order = 900)]
     pub json: bool,
     /// Replace an earlier result
-    #[arg(long, global = true, display_order = 900)]
+    #[arg(short = 'f', long, global = true, display_order = 900)]
     pub force: bool,
 }
 
 impl Common {
+    /// A file to write; `-` is standard output, which then holds nothing else.
+    ///
+    /// # Errors
+    /// As [`OutFile::new`], or standard output is taken already.
+    pub fn file(&self, path: &Path) -> Result<OutFile, Failure> {
+        if standard::is(path) && (self.json || !standard::take_output()) {
+            return Err(Failure::input(
+                "standard output takes one thing: a single file as `-`, or the object of --json\n  help: give one of them a file's name",
+            ));
+        }
+        OutFile::new(path, self.force)
+    }
+
     /// A progress bar on standard error, hidden where that is no terminal; `steps` zero shows a
     /// spinner.
     pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {

@@ -6,7 +6,6 @@ use serde_json::json;
 
 use super::{Common, Failure, Outcome};
 use crate::log::write_columns;
-use crate::output::OutFile;
 use crate::probe::Recording;
 use crate::probe::recording::greeting;
 
@@ -27,8 +26,8 @@ pub struct Args {
     /// How long to listen
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = super::positive)]
     pub seconds: f64,
-    /// Log to write, compressed where it ends in .gz
-    #[arg(long, value_name = "CSV")]
+    /// Log to write, compressed where it ends in .gz; - is standard output
+    #[arg(short = 'o', long, value_name = "CSV")]
     pub out: Option<PathBuf>,
 }
 
@@ -37,7 +36,7 @@ pub struct Args {
 /// # Errors
 /// A stream that cannot be read or holds no drive's telemetry, or a log that cannot be written.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = args.out.as_ref().map(|path| OutFile::new(path, common.force)).transpose()?;
+    let out = args.out.as_ref().map(|path| common.file(path)).transpose()?;
     let recording = args.source.monitor(args.every, args.seconds)?;
     let columns = recording.log().ok_or_else(|| args.source.silent())?;
     let hello = recording.hello.map(|hello| greeting(&hello)).unwrap_or_default();

@@ -10,7 +10,6 @@ use super::{Common, Failure, Outcome};
 use crate::datasheet::ask::{Question, ask};
 use crate::datasheet::{Datasheet, Draft, checks, quantity};
 use crate::model::Model;
-use crate::output::OutFile;
 
 /// Make a starting model from a datasheet's numbers
 ///
@@ -98,7 +97,7 @@ pub struct Args {
     #[arg(long, value_name = "MS", value_parser = |text: &str| quantity::TIME.read(text))]
     pub sample_time: Option<f64>,
     /// Model file to write
-    #[arg(long, value_name = "TOML")]
+    #[arg(short = 'o', long, value_name = "TOML")]
     pub out: PathBuf,
 }
 
@@ -139,7 +138,7 @@ impl Args {
 /// # Errors
 /// A number that a model needs is missing, or the file cannot be written.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?;
+    let out = common.file(&args.out)?;
     let mut sheet = args.sheet();
     if !sheet.missing().is_empty() && std::io::stdin().is_terminal() {
         questions(&mut sheet)

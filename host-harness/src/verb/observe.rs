@@ -12,7 +12,6 @@ use crate::observe::design::Tuning;
 use crate::observe::drive;
 use crate::observe::over::Samples;
 use crate::observe::table;
-use crate::output::OutFile;
 use crate::plant::{BuildError, by_stages};
 
 /// Run the on-drive observer over a log
@@ -28,7 +27,13 @@ use crate::plant::{BuildError, by_stages};
   joint identify --model arm.toml --log calibration.csv --out refit   (before it)")]
 pub struct Args {
     /// Model file
-    #[arg(long, value_name = "TOML", required_unless_present = "block", conflicts_with = "block")]
+    #[arg(
+        short = 'm',
+        long,
+        value_name = "TOML",
+        required_unless_present = "block",
+        conflicts_with = "block"
+    )]
     pub model: Option<PathBuf>,
     /// Parameter block of a drive, in place of a model
     #[arg(long, value_name = "F", conflicts_with_all = ["scalar", "rated_load_nm"])]
@@ -36,11 +41,11 @@ pub struct Args {
     /// With a block: also write what the drive's sensors would show, as the program `hil` reads it
     #[arg(long, value_name = "F", requires = "block")]
     pub samples: Option<PathBuf>,
-    /// Log to observe
-    #[arg(long, value_name = "CSV")]
+    /// Log to observe; - is standard input
+    #[arg(short = 'l', long, value_name = "CSV")]
     pub log: PathBuf,
-    /// File to write, compressed where it ends in .gz
-    #[arg(long, value_name = "CSV")]
+    /// File to write, compressed where it ends in .gz; - is standard output
+    #[arg(short = 'o', long, value_name = "CSV")]
     pub out: PathBuf,
     /// Number to compute in
     #[arg(long, value_enum, default_value_t = Scalar::F32)]
@@ -56,7 +61,7 @@ pub struct Args {
 /// A file that cannot be read or written, or a model or block that cannot be observed.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let inputs = [Some(&args.log), args.model.as_ref(), args.block.as_ref()];
-    let out = OutFile::new(&args.out, common.force)?.apart_from(inputs.into_iter().flatten())?;
+    let out = common.file(&args.out)?.apart_from(inputs.into_iter().flatten())?;
     let (name, text, samples) = match (&args.block, &args.model) {
         (Some(block), _) => in_drive(args, block, common)?,
         (None, Some(model)) => designed(args, model, common)?,
@@ -76,7 +81,7 @@ fn designed(args: &Args, path: &Path, common: &Common) -> Result<Observed, Failu
     let model = read_model(path)?;
     let log = read_log(&args.log, Need::Drive)?;
     let bar = common.progress(0, "observing");
-    let text = observed(args, &model, &log)
+    let text = observed(&model, &log, args.rated_load_nm, args.scalar)
         .map_err(|error| Failure::input(format!("{}: {error}", path.display())))?;
     bar.finish_and_clear();
     Ok((model.name, text, log.len()))
@@ -84,7 +89,7 @@ fn designed(args: &Args, path: &Path, common: &Common) -> Result<Observed, Failu
 
 /// As the drive itself reports it.
 fn in_drive(args: &Args, path: &Path, common: &Common) -> Result<Observed, Failure> {
-    let shown = args.samples.as_ref().map(|path| OutFile::new(path, common.force)).transpose()?;
+    let shown = args.samples.as_ref().map(|path| common.file(path)).transpose()?;
     let refused = |place: &Path, error: &dyn std::fmt::Display| {
         Failure::input(format!("{}: {error}", place.display()))
     };
@@ -101,19 +106,30 @@ fn in_drive(args: &Args, path: &Path, common: &Common) -> Result<Observed, Failu
     Ok((path.display().to_string(), drive::table(&log.time_s, &reports), log.len()))
 }
 
-fn observed(args: &Args, model: &Model, log: &Log) -> Result<String, BuildError> {
-    by_stages!(model.stages.len(), N => observed_by::<N>(args, model, log))
+/// What the observer that is designed for a model finds in a log, as the text of a CSV file;
+/// `rated_load_nm` is the largest load expected at the output, from the log's voltages where it is left out.
+///
+/// # Errors
+/// The model cannot be observed.
+pub fn observed(
+    model: &Model,
+    log: &Log,
+    rated_load_nm: Option<f64>,
+    scalar: Scalar,
+) -> Result<String, BuildError> {
+    by_stages!(model.stages.len(), N => observed_by::<N>(model, log, rated_load_nm, scalar))
 }
 
 fn observed_by<const N: usize>(
-    args: &Args,
     model: &Model,
     log: &Log,
+    rated_load_nm: Option<f64>,
+    scalar: Scalar,
 ) -> Result<String, BuildError> {
     let samples = Samples::of(log);
-    let (model, rating) = samples.sensed::<N>(model, args.rated_load_nm)?;
+    let (model, rating) = samples.sensed::<N>(model, rated_load_nm)?;
     let tuning = Tuning::default();
-    let found = samples.observed::<N>(&model, &rating, &tuning, args.scalar.into())?;
+    let found = samples.observed::<N>(&model, &rating, &tuning, scalar.into())?;
     let bases = Bases::si(&model.motor, &model.stages);
     let shafts = std::array::from_fn(|k| bases.shaft(k + 1));
     Ok(format!("{}\n{}", table::header(N), table::rows(&log.time_s, &found, &shafts)))

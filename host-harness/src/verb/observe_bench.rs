@@ -35,10 +35,10 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub simulate: usize,
     /// Seed of the draw
-    #[arg(long, default_value_t = 1)]
+    #[arg(short = 's', long, default_value_t = 1)]
     pub seed: u64,
     /// Folder for the result
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
 }
 

@@ -18,7 +18,7 @@ use crate::scenario;
   joint reproduce --out paper")]
 pub struct Args {
     /// Folder for the result
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 

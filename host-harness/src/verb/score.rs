@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Draws::Narrow, conflicts_with_all = ["set", "join"])]
     pub draws: Draws,
     /// Which joints are drawn
-    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with_all = ["set", "join"])]
+    #[arg(short = 's', long, value_name = "N", default_value_t = 1, conflicts_with_all = ["set", "join"])]
     pub seed: u64,
     /// The first of the draws to run, so that several machines can share one benchmark
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with_all = ["set", "join"])]
@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["set", "simulate"])]
     pub join: Vec<PathBuf>,
     /// Folder for the result
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
     /// Only cases of these kinds, and those in which nothing has a name
     #[arg(long, value_name = "KIND", value_delimiter = ',', requires = "set")]

@@ -12,7 +12,6 @@ use super::{Common, Failure, Outcome, Scalar, read_log, read_model};
 use crate::inputs::Missing;
 use crate::log::{Log, MOTOR_ANGLE, Need, write_columns};
 use crate::model::Model;
-use crate::output::OutFile;
 use crate::plant::{Inputs, Options, Snapshot, simulate_from};
 use crate::reference::{self, ReferenceError};
 use crate::simulated;
@@ -34,13 +33,13 @@ const REFERENCE_TOLERANCE: f64 = 1e-8;
   joint simulate --model arm.toml --input arm.csv --out single.csv --scalar f32 --step-us 50")]
 pub struct Args {
     /// Model file
-    #[arg(long, value_name = "TOML")]
+    #[arg(short = 'm', long, value_name = "TOML")]
     pub model: PathBuf,
-    /// Log whose inputs drive the model
-    #[arg(long, value_name = "CSV")]
+    /// Log whose inputs drive the model; - is standard input
+    #[arg(short = 'i', long, value_name = "CSV")]
     pub input: PathBuf,
-    /// File to write, compressed where it ends in .gz
-    #[arg(long, value_name = "CSV")]
+    /// File to write, compressed where it ends in .gz; - is standard output
+    #[arg(short = 'o', long, value_name = "CSV")]
     pub out: PathBuf,
     /// How the equations are solved
     #[arg(long, value_enum, default_value_t = Method::Embedded)]
@@ -72,41 +71,56 @@ pub enum Method {
 /// # Errors
 /// A file that cannot be read or written, or a model that cannot be run.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
-    let out = OutFile::new(&args.out, common.force)?.apart_from([&args.model, &args.input])?;
+    let out = common.file(&args.out)?.apart_from([&args.model, &args.input])?;
     let model = read_model(&args.model)?;
     let log = read_log(&args.input, Need::Drive)?;
+    let bar = common.progress(0, "simulating");
+    let columns = simulated(args, &model, &log, &mut |note| {
+        bar.suspend(|| eprintln!("note: {}: {note}", args.input.display()));
+    })?;
+    bar.finish_and_clear();
+    let path = out.write_table(write_columns(&columns))?;
+    let samples = log.len();
+    Ok(Outcome::done(
+        json!({"out": path, "model": model.name, "samples": samples}),
+        format!("{}: {samples} samples of {}", path.display(), model.name),
+    ))
+}
+
+/// Runs a model on a log's inputs, as the arguments say; their files are only named in errors. Gives the
+/// log's columns and every state, and tells what it notes of missing inputs.
+///
+/// # Errors
+/// A model that cannot be run, or a first row without an angle.
+pub fn simulated(
+    args: &Args,
+    model: &Model,
+    log: &Log,
+    note: &mut dyn FnMut(&str),
+) -> Result<Vec<(String, Vec<f64>)>, Failure> {
     let (inputs, missing) = match args.method {
-        Method::Embedded => Inputs::swinging(&log),
+        Method::Embedded => Inputs::swinging(log),
         // Its equations have no open winding.
-        Method::Reference => (Inputs::from_log(&log), Missing::default()),
+        Method::Reference => (Inputs::from_log(log), Missing::default()),
     };
     for told in missing.told(&log.time_s) {
-        eprintln!("note: {}: {told}", args.input.display());
+        note(&told);
     }
-    if args.method == Method::Reference && !Inputs::swinging(&log).1.free.is_empty() {
-        let log = args.input.display();
-        eprintln!("note: {log}: where the input is missing the reference holds the last value");
+    if args.method == Method::Reference && !Inputs::swinging(log).1.free.is_empty() {
+        note("where the input is missing the reference holds the last value");
     }
     let start = match args.from_rest {
         true => None,
-        false => Some(first_state(args, &model, &log)?),
+        false => Some(first_state(args, model, log)?),
     };
-    let bar = common.progress(0, "simulating");
-    let snapshots = solve(args, &model, &inputs, start)?;
-    bar.finish_and_clear();
+    let snapshots = solve(args, model, &inputs, start)?;
     if let Some(k) = snapshots.iter().position(|snapshot| !is_finite(snapshot)) {
         let (model, time) = (args.model.display(), log.time_s[k]);
         return Err(Failure::check(format!(
             "{model}: the simulation is not finite from t_s = {time} on\n  help: give a shorter step with --step-us, or use --method reference"
         )));
     }
-    let text = write_columns(&simulated::columns(&model, &log, &snapshots));
-    let path = out.write_table(text)?;
-    let samples = snapshots.len();
-    Ok(Outcome::done(
-        json!({"out": path, "model": model.name, "samples": samples}),
-        format!("{}: {samples} samples of {}", path.display(), model.name),
-    ))
+    Ok(simulated::columns(model, log, &snapshots))
 }
 
 /// The state at the log's first sample.

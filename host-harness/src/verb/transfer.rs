@@ -21,13 +21,13 @@ use crate::transfer::{Errors, Transfer, transfer};
   joint transfer --model nominal.toml --model found/model.toml --log other-day.csv --out transfer")]
 pub struct Args {
     /// Model files
-    #[arg(long, value_name = "TOML", required = true, num_args = 1..)]
+    #[arg(short = 'm', long, value_name = "TOML", required = true, num_args = 1..)]
     pub model: Vec<PathBuf>,
-    /// Logs to run them on
-    #[arg(long, value_name = "CSV", required = true, num_args = 1..)]
+    /// Logs to run them on; - is standard input
+    #[arg(short = 'l', long, value_name = "CSV", required = true, num_args = 1..)]
     pub log: Vec<PathBuf>,
     /// Folder for `transfer.json`
-    #[arg(long, value_name = "DIR")]
+    #[arg(short = 'o', long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 

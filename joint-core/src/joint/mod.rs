@@ -19,7 +19,7 @@ use crate::step::{Implicit, MIDDLE, OUTER, StageConstants, Units};
 pub use crate::pace::{MAX_MICRO_STEPS, Pace, Plan, micro_steps};
 pub use crate::settings::{Drive, Method, Settings};
 pub use crate::state::{Bristle, Input, Mass, StageState, State};
-pub use crate::step::{IMPLICIT, Joint};
+pub use crate::step::{IMPLICIT, Joint, Torques};
 
 impl<S: Scalar, const N: usize> Joint<S, N> {
     /// A joint without effects.

@@ -14,11 +14,13 @@ mod implicit;
 mod kick;
 mod levels;
 mod memory;
+mod torques;
 
 pub use constants::Joint;
 pub(crate) use constants::{Implicit, StageConstants, Units};
 pub use implicit::IMPLICIT;
 pub(crate) use kick::{MIDDLE, OUTER};
+pub use torques::Torques;
 
 use crate::effect::Effects;
 use crate::scalar::Scalar;

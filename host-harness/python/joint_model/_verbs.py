@@ -1,0 +1,94 @@
+"""What `joint` does, on logs and models in memory."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Iterable
+
+from . import _native
+from ._log import Log, Table, native
+from ._native import Model
+from ._results import Check, Discovery, Finding, Identification, Observation, Simulation
+
+
+def _read(log: Log) -> _native.Log:
+    own = native(log)
+    _warn(own.warnings)
+    return own
+
+
+def _warn(texts: Iterable[str]) -> None:
+    for text in texts:
+        warnings.warn(text, stacklevel=3)
+
+
+def check(log: Log, model: Model) -> Check:
+    """Whether a model and a log speak of the same joint, in the same units; without a fit.
+
+    Raises JointError where the log itself cannot be read.
+    """
+    raw = json.loads(_native.check(model, _read(log)))
+    names = ("check", "severity", "message", "help", "row")
+    findings = [Finding(**{name: own.get(name) for name in names}) for own in raw["findings"]]
+    return Check(findings, raw["excitation"])
+
+
+def discover(
+    log: Log | list[Log] | tuple[Log, ...],
+    model: Model,
+    *,
+    without: Iterable[str] = (),
+    anyway: bool = False,
+) -> Discovery:
+    """Finds, names and adds what a model misses in a log, or in several of the same joint.
+
+    ``without`` are kinds of effects that are not considered. ``anyway`` goes on where log and model cannot
+    both be right. Raises JointError for bad input, KeyboardInterrupt for Ctrl-C.
+    """
+    logs = list(log) if isinstance(log, (list, tuple)) else [log]
+    verdict, improved, residuals, report, told = _native.discover(
+        model, [_read(own) for own in logs], list(without), anyway
+    )
+    _warn(told)
+    return Discovery(improved, report, json.loads(verdict), Table(dict(residuals)))
+
+
+def identify(log: Log, model: Model, *, anyway: bool = False) -> Identification:
+    """Refits a model to a log, with standard errors and what the log cannot determine.
+
+    Raises JointError for bad input, KeyboardInterrupt for Ctrl-C.
+    """
+    raw, refitted, report, told = _native.identify(model, _read(log), anyway)
+    _warn(told)
+    return Identification(refitted, report, json.loads(raw))
+
+
+def simulate(
+    log: Log,
+    model: Model,
+    *,
+    method: str = "embedded",
+    scalar: str = "f64",
+    step_us: float | None = None,
+    from_rest: bool = False,
+) -> Simulation:
+    """Runs a model on a log's inputs, from the log's first state, or from rest.
+
+    ``method`` is embedded (the step of the drive) or reference; ``scalar`` is f64, f32 or fixed. A column
+    ``motor_angle_rad`` of zeros is enough where there is no measurement. Raises JointError for bad input.
+    """
+    columns, notes = _native.simulate(model, _read(log), method, scalar, step_us, from_rest)
+    _warn(notes)
+    return Simulation(dict(columns))
+
+
+def observe(
+    log: Log, model: Model, *, scalar: str = "f32", rated_load_nm: float | None = None
+) -> Observation:
+    """Runs the observer of a drive over a log: friction, wind-up, load torque, and how sure it is.
+
+    ``rated_load_nm`` is the largest load expected at the output; without it, the log's voltages tell one.
+    """
+    columns, status = _native.observe(model, _read(log), scalar, rated_load_nm)
+    return Observation(dict(columns), status)
