@@ -12,6 +12,7 @@ pub mod estimate;
 pub mod export;
 pub mod fault;
 pub mod grid;
+pub mod identify;
 pub mod import;
 pub mod inputs;
 pub mod interrupt;

@@ -11,9 +11,8 @@ fn root() -> PathBuf {
 
 /// Every page, by its path from the root.
 fn pages() -> Vec<(PathBuf, String)> {
-    let mut paths: Vec<PathBuf> = ["README.md", "CONTRIBUTING.md", "host-harness/python/README.md"]
-        .map(PathBuf::from)
-        .into();
+    let mut paths: Vec<PathBuf> =
+        ["README.md", "CONTRIBUTING.md", "host-harness/python/README.md"].map(PathBuf::from).into();
     for entry in std::fs::read_dir(root().join("docs")).unwrap() {
         let name = entry.unwrap().file_name();
         if Path::new(&name).extension().is_some_and(|extension| extension == "md") {

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use host_harness::discover::discover_without;
+use host_harness::identify as refit;
 use host_harness::model::Model as Joint;
 use host_harness::preflight::{self, Severity};
 use host_harness::report::{self, Source};
-use host_harness::verb::{Scalar, identify as refit, observe as observer, simulate as run};
+use host_harness::verb::{Scalar, observe as observer, simulate as run};
 use indicatif::ProgressBar;
 use joint_core::effect::Kind;
 use pyo3::prelude::*;
@@ -97,7 +98,7 @@ pub(crate) fn identify(
     let mut warnings = checked(&model.0, log, anyway)?;
     let (model, log) = (model.0.clone(), log.log.clone());
     let (json, refitted, page, timing) = running(py, move || {
-        let found = refit::identified(&model, &log)?;
+        let found = refit::identified(&model, std::slice::from_ref(&log), None)?;
         let source = Source::in_memory(
             "joint_model.identify(log, model)".to_owned(),
             &model,

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::{Coordinate, precision};
 use super::filter::Noise;
-use super::fit::{Fit, Problem};
+use super::fit::Problem;
 use super::free_run;
 use super::gram::{gram, shared};
 use super::noise;
