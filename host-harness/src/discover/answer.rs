@@ -12,13 +12,13 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 use nalgebra::DMatrix;
 
+use super::coloured::search_coloured;
 use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::evidence::{Unseen, Weighed, cannot_tell};
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
-use super::forward::search_coloured;
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
@@ -118,11 +118,9 @@ pub fn discover_without(
     bar.set_message("is what is left noise?");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     bar.inc(1);
-    let coloured = match remainder.complaints(found.rounds.is_empty()).is_empty() {
-        false if !interrupt::asked() => search_coloured(problem, &found, bar)?,
-        _ => None,
-    };
-    if let Some(better) = coloured {
+    if !remainder.complaints(found.rounds.is_empty()).is_empty()
+        && let Some(better) = search_coloured(problem, &found, bar)?
+    {
         found = better;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }

@@ -1,8 +1,10 @@
-//! The search beside a coloured disturbance: forward selection, one effect at a time, and backward elimination.
+//! The search goes on beside a coloured disturbance, where what it found leaves a model lost.
 //!
-//! The disturbance state takes what the model misses as it comes, so that parameters are not bent by it and a
-//! linear step from the nominal can be believed. Every candidate is refitted with the disturbance's own size, so
-//! that what it gains is what it explains beyond what a disturbance without a law would.
+//! A disturbance state takes what the model misses as it comes, so that parameters are not biased by it and a
+//! linear step can be believed. Every candidate is refitted with the disturbance's own size: what it gains is what
+//! it explains beyond a disturbance without a law. So effects that stood in for others fall, and lines beside them
+//! are seen: forward selection, one effect at a time, and backward elimination. The state also takes a part of slow
+//! laws with it, and so what it shows has to make the log likelier without it too.
 
 use std::borrow::Cow;
 
@@ -18,7 +20,7 @@ use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::needless::{bare, drop_needless, without};
 use super::order::ask_order;
 use super::score_test::{Gain, ScoreTest};
-use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, title};
+use super::search::{Contender, LEAST_GAIN, LOST, Round, Search, Stage, excess, title};
 use crate::estimate::colour::coloured;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
@@ -49,34 +51,19 @@ pub(super) fn search_coloured(
     found: &Search,
     bar: &ProgressBar,
 ) -> Result<Option<Search>, BuildError> {
-    let mut other = go_on(problem, found.clone(), bar)?;
-    let known = |search: &Search| search.rounds.iter().map(|round| round.name).collect::<Vec<_>>();
-    if known(&other) == known(found) || interrupt::asked() {
+    if excess(found) <= LOST || interrupt::asked() {
+        return Ok(None);
+    }
+    let mut other = go_on(&problem, found.clone(), bar)?;
+    let names = |search: &Search| search.rounds.iter().map(|round| round.name).collect::<Vec<_>>();
+    if names(&other) == names(found) || interrupt::asked() {
         return Ok(None);
     }
     let Stage { fit, origin } = &other.after;
-    let expected = &other.expected;
-    let noise = found.after.fit.noise;
+    let (expected, noise) = (&other.expected, found.after.fit.noise);
     let near = polish(&problem, origin, &fit.model, &fit.coordinates, expected, &noise)?;
     other.after.fit = polish_on(&problem, origin, near, expected)?;
-    other.before = found.before.clone();
-    if std::env::var("JOINT_TRACE").is_ok() {
-        let names =
-            |s: &Search| s.rounds.iter().map(|r| (r.name, r.gain as i64)).collect::<Vec<_>>();
-        eprintln!(
-            "plain {:?} {}\ncoloured {:?} {}",
-            names(found),
-            cost(&found.after.fit),
-            names(&other),
-            cost(&other.after.fit)
-        );
-    }
     drop_needless(problem, &mut other, true)?;
-    if std::env::var("JOINT_TRACE").is_ok() {
-        let names =
-            |s: &Search| s.rounds.iter().map(|r| (r.name, r.gain as i64)).collect::<Vec<_>>();
-        eprintln!("dropped {:?} {}", names(&other), cost(&other.after.fit));
-    }
     // A name has to earn what counts, or the simpler model stands.
     let owed = |search: &Search| cost(&search.after.fit) + LEAST_GAIN * search.rounds.len() as f64;
     Ok((owed(&other) < owed(found)).then_some(other))
@@ -84,30 +71,21 @@ pub(super) fn search_coloured(
 
 /// Goes on from what a search without a coloured disturbance has found: its effects are asked again beside one,
 /// and others are looked for.
-///
-/// # Errors
-/// A model cannot be built.
 fn go_on(
-    problem: Problem<'_>,
+    problem: &Problem<'_>,
     mut search: Search,
     bar: &ProgressBar,
 ) -> Result<Search, BuildError> {
     let expected = search.expected;
     bar.set_message("refitting beside a coloured disturbance");
-    let Stage { fit, origin } = search.before.clone();
-    let before = || begun(&problem, &origin, fit, &expected);
-    let after = || {
-        let mut after = search.after.clone();
-        recoloured(&problem, &mut after, &expected)?;
-        Ok::<_, BuildError>(after)
-    };
-    let (before, after) = rayon::join(before, after);
-    (search.before, search.after) = (before?, after?);
     if search.rounds.is_empty() {
-        search.after = search.before.clone();
+        let Stage { fit, origin } = &search.before;
+        search.after = begun(problem, origin, fit, &expected)?;
+    } else {
+        recoloured(problem, &mut search.after, &expected)?;
     }
-    eliminate(&problem, &mut search)?;
-    grow(&problem, &mut search, bar)?;
+    eliminate(problem, &mut search)?;
+    grow(problem, &mut search, bar)?;
     Ok(search)
 }
 
@@ -133,7 +111,7 @@ fn grow(problem: &Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result
 fn begun(
     problem: &Problem<'_>,
     nominal: &Model,
-    fit: Fit,
+    fit: &Fit,
     expected: &Noise,
 ) -> Result<Stage, BuildError> {
     let coordinates = &fit.coordinates;
@@ -145,7 +123,7 @@ fn begun(
     });
     let fits = fits.collect::<Result<Vec<_>, BuildError>>()?;
     let likelier = |a: Fit, b: Fit| if cost(&b) < cost(&a) { b } else { a };
-    Ok(Stage { fit: fits.into_iter().fold(fit, likelier), origin: nominal.clone() })
+    Ok(Stage { fit: fits.into_iter().fold(fit.clone(), likelier), origin: nominal.clone() })
 }
 
 /// Asks for the disturbance again, and refits beside it where it has changed.
@@ -245,9 +223,6 @@ fn add(problem: &Problem<'_>, search: &mut Search, round: usize) -> Result<bool,
         }
     }
     let plain = Stage { fit: plain, origin: base.origin.clone() };
-    if search.rounds.is_empty() {
-        search.before = plain.clone();
-    }
     let Some((winner, rivals)) = contenders.split_first() else {
         search.after = plain;
         return Ok(false);
@@ -302,4 +277,39 @@ fn eliminate(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildErro
         search.rounds.remove(k);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::{EffectParameters, Kind};
+    use joint_core::params::Location;
+
+    use super::super::hypothesis::Free;
+    use super::super::trial;
+    use super::*;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn an_effect_that_stood_in_for_a_line_falls_and_the_line_is_found() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let mask = vec![1.0; record.measured.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
+        let drag = EffectParameters::new(Kind::QuadraticDrag, Location::Motor);
+        let free = vec![Free::Value { value: 0, scale: 1e-6, sigma: 30.0 }];
+        found.after = trial::fitted(&problem, &nominal, &[Hypothesis { start: drag, free }]);
+        let name = (drag.kind, drag.location);
+        found.rounds.push(Round { name, ..trial::round(100.0) });
+        assert!(excess(&found) > LOST, "{}", excess(&found));
+        let other = search_coloured(problem, &found, &ProgressBar::hidden()).unwrap().unwrap();
+        let names: Vec<_> = other.rounds.iter().map(|round| round.name).collect();
+        assert_eq!(names, [(Kind::Cogging, Location::Motor)]);
+        let line = other.after.fit.model.effects[0];
+        assert_eq!(line.values[0], 12.0);
+        assert!((line.values[1] / 0.02 - 1.0).abs() < 0.05, "{line:?}");
+        assert_eq!(other.after.fit.noise.colours().count(), 0);
+    }
 }
