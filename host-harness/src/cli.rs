@@ -120,7 +120,7 @@ fn refused(error: &clap::Error) -> ExitCode {
     let asked = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
     if !asked && std::env::args_os().take_while(|own| own != "--").any(|own| own == "--json") {
         let text = match error.kind() {
-            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand => {
                 "no verb is given\n  help: `joint --help` lists them".to_owned()
             }
             _ => error.render().to_string(),

@@ -7,16 +7,16 @@
 /// Longest line of a help, however wide the terminal.
 const WIDEST_HELP: usize = 100;
 
-/// Columns of standard output: the terminal's, or what `COLUMNS` says where there is none.
+/// Columns of the terminal that standard output is; `None` where it is none.
 pub(crate) fn width() -> Option<usize> {
-    let stated = || std::env::var("COLUMNS").ok().and_then(|text| text.parse().ok());
     let terminal = terminal_size::terminal_size_of(std::io::stdout());
-    terminal.map(|(width, _)| usize::from(width.0)).or_else(stated).filter(|width| *width > 0)
+    terminal.map(|(width, _)| usize::from(width.0)).filter(|width| *width > 0)
 }
 
-/// Columns of a help.
+/// Columns of a help: the terminal's, or what `COLUMNS` says where there is none.
 pub(crate) fn help_width() -> usize {
-    width().unwrap_or(WIDEST_HELP).min(WIDEST_HELP)
+    let stated = || std::env::var("COLUMNS").ok().and_then(|text| text.parse().ok());
+    width().or_else(stated).filter(|width| *width > 0).unwrap_or(WIDEST_HELP).min(WIDEST_HELP)
 }
 
 /// The text with no line longer than a width, where its words are not.
