@@ -45,7 +45,7 @@
 /**
  * The block is of a version that this library does not know.
  */
-#define JOINT_BLOCK_VERSION 3
+#define JOINT_BLOCK_VERSION 4
 
 /**
  * The block is shorter or longer than it says.

@@ -110,7 +110,7 @@ fn a_gear_too_stiff_to_swing_moves_as_one_that_is_rigid() {
 #[test]
 fn effects_act_in_both_methods_alike() {
     let at = EffectParameters::new;
-    let effects: [&[EffectParameters]; 8] = [
+    let effects: [&[EffectParameters]; 10] = [
         &[at(Kind::Cogging, Location::Motor).with("order", 6.0).with("amplitude_nm", 2e-5)],
         &[at(Kind::TorqueRipple, Location::Motor)
             .with("order", 6.0)
@@ -119,6 +119,8 @@ fn effects_act_in_both_methods_alike() {
         &[at(Kind::QuadraticDrag, Location::Motor).with("coefficient_nm_s2", 5e-11)],
         &[at(Kind::AsymmetricFriction, Location::Motor).with("asymmetry", 0.4)],
         &[at(Kind::LoadDependentFriction, Location::Stage(2)).with("coefficient", 0.2)],
+        &[at(Kind::DriveEfficiency, Location::Stage(2)).with("driving", 0.1).with("driven", 0.4)],
+        &[at(Kind::CurrentLimit, Location::Inverter).with("limit_a", 0.05)],
         &[at(Kind::HardeningStiffness, Location::Stage(1))
             .with("cubic_stiffness_nm_per_rad3", 500.0)],
         &[at(Kind::Backlash, Location::Stage(2)).with("width_rad", 2e-3)],

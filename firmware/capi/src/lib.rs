@@ -35,7 +35,7 @@ pub const JOINT_BLOCK_EMPTY: i32 = 1;
 /// This is no parameter block.
 pub const JOINT_BLOCK_MAGIC: i32 = 2;
 /// The block is of a version that this library does not know.
-pub const JOINT_BLOCK_VERSION: i32 = 3;
+pub const JOINT_BLOCK_VERSION: i32 = 4;
 /// The block is shorter or longer than it says.
 pub const JOINT_BLOCK_LENGTH: i32 = 4;
 /// The block's checksum is wrong.

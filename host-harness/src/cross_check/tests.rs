@@ -90,6 +90,25 @@ fn every_effect_is_the_same_in_the_step_and_in_the_reference() {
     }
 }
 
+/// A limit of a fifth of the stall current, alone and beside what changes the motor's constants, the
+/// voltage and the friction.
+#[test]
+fn a_limit_of_the_current_keeps_a_drive_step_within_one_per_cent() {
+    let limit = EffectParameters::new(Kind::CurrentLimit, Location::Inverter).with("limit_a", 0.02);
+    let beside = [Kind::TorqueRipple, Kind::DeadTime, Kind::DriveEfficiency];
+    let pairs = beside.map(|kind| vec![limit, EffectParameters::example(kind)]);
+    for effects in [vec![limit]].into_iter().chain(pairs) {
+        let model = Model { effects, ..paper() };
+        let scenario = ALL[0].lasting(0.05);
+        let exact = reference::simulate(&model, &scenario.inputs(), &Options::default()).unwrap();
+        let plain = reference::simulate(&paper(), &scenario.inputs(), &Options::default()).unwrap();
+        let moved = Quantity::MotorSpeed.relative_rms(&plain, &exact);
+        assert!(moved > 0.1, "the limit is not reached: {moved}");
+        let error = worst(&errors(&model, &scenario, ScalarKind::F32, 50e-6));
+        assert!(error < 0.01, "{:?}: {error}", model.effects);
+    }
+}
+
 #[test]
 fn a_model_with_an_effect_is_checked_along_a_log() {
     let mut model = crate::demo::actuator();

@@ -152,8 +152,7 @@ impl Seen {
                 unless(self.output_turns > TEETH, "the output hardly travels")
             }
             Kind::QuadraticDrag => unless(self.range, "the speed hardly varies"),
-            Kind::DeadTime => unless(self.voltage, "no u_v"),
-            Kind::SupplySag => unless(self.voltage, "no u_v"),
+            Kind::DeadTime | Kind::SupplySag | Kind::CurrentLimit => unless(self.voltage, "no u_v"),
             Kind::WindingHeating => unless(
                 self.voltage && self.moving_s > WARMS_S,
                 "no u_v, or too short for a winding to warm",

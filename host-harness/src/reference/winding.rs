@@ -17,13 +17,22 @@ impl Equations {
         memory: &Memory<f64>,
     ) -> f64 {
         let Some(per_inductance) = self.per_inductance else { return 0.0 };
-        let driving = held.drive - self.drop(held, current, memory);
         let back_emf = self.torque_constant * (1.0 + back_emf) * speed;
+        let driving = self.limited(held.drive, back_emf);
+        let driving = driving - self.drop(driving, current, memory);
         (driving - self.resistance * current - back_emf) * per_inductance
     }
 
-    fn drop(&self, held: &Held, current: f64, memory: &Memory<f64>) -> f64 {
-        let drive = held.drive / self.resistance;
+    /// What a limit of the current leaves of a voltage against this back-EMF.
+    fn limited(&self, volts: f64, back_emf: f64) -> f64 {
+        self.effects.as_ref().map_or(volts, |effects| {
+            let settled = (volts - back_emf) / self.resistance;
+            volts - self.resistance * effects.excess(settled).value
+        })
+    }
+
+    fn drop(&self, volts: f64, current: f64, memory: &Memory<f64>) -> f64 {
+        let drive = volts / self.resistance;
         self.effects.as_ref().map_or(0.0, |effects| {
             let at = Winding { current, per_drop: 0.0, drive };
             self.resistance * effects.voltage_drop(at, memory)
@@ -36,8 +45,10 @@ impl Equations {
         match (self.drive, self.per_inductance) {
             (Drive::Voltage, Some(_)) => state,
             (Drive::Voltage, None) => {
-                let free = (held.drive - self.torque_constant * speed) / self.resistance;
-                self.without_lag(free, |current| self.drop(held, current, memory))
+                let back_emf = self.torque_constant * speed;
+                let driving = self.limited(held.drive, back_emf);
+                let free = (driving - back_emf) / self.resistance;
+                self.without_lag(free, |current| self.drop(driving, current, memory))
             }
             (Drive::Current, _) => {
                 self.effects.as_ref().map_or(held.drive, |effects| effects.true_current(held.drive))

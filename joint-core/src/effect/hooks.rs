@@ -98,6 +98,27 @@ impl<S: Scalar> Winding<S> {
     }
 }
 
+/// What a limit takes off the current that voltage and back-EMF would settle at, in units of current.
+#[derive(Clone, Copy, Debug)]
+pub struct Excess<S> {
+    /// How much.
+    pub value: S,
+    /// Derivative with respect to that current, from zero to one.
+    pub slope: S,
+}
+
+impl<S: Scalar> Excess<S> {
+    /// None.
+    pub const NONE: Self = Self { value: S::ZERO, slope: S::ZERO };
+
+    /// With what another limit takes off what this one leaves.
+    #[inline(always)]
+    pub(super) fn then(self, next: Self) -> Self {
+        let slope = self.slope + next.slope - self.slope * next.slope;
+        Self { value: self.value + next.value, slope }
+    }
+}
+
 /// By how much the motor constants differ from their nominal values, relative.
 #[derive(Clone, Copy, Debug)]
 pub struct Constants<S> {
@@ -186,6 +207,12 @@ pub trait Effects<S: Scalar> {
         false
     }
 
+    /// Whether [`Effects::excess`] is to be called: it needs the kick twice.
+    #[inline(always)]
+    fn has_limit(&self) -> bool {
+        false
+    }
+
     /// Whether [`Effects::constants`] is to be called.
     #[inline(always)]
     fn has_constants(&self) -> bool {
@@ -221,6 +248,12 @@ pub trait Effects<S: Scalar> {
     #[inline(always)]
     fn voltage_drop(&self, _at: Winding<S>, _memory: &Memory<S>) -> S {
         S::ZERO
+    }
+
+    /// What a limit takes off the current that voltage and back-EMF would settle at.
+    #[inline(always)]
+    fn excess(&self, _settled: S) -> Excess<S> {
+        Excess::NONE
     }
 
     /// The motor constants at a rotor angle and a current.

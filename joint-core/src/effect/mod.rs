@@ -13,8 +13,8 @@ mod place;
 pub mod worm;
 
 pub use hooks::{
-    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Relaxations, Rubbing,
-    Torque, Winding,
+    Constants, Effects, Excess, Felt, Flow, MEMORIES, Memory, Motion, Relaxation, Relaxations,
+    Rubbing, Torque, Winding,
 };
 pub use set::{EffectSet, MAX_EFFECTS};
 
@@ -79,8 +79,10 @@ macro_rules! for_every_effect {
             coating::Coating,
             cogging::Cogging,
             current_gain::CurrentGain,
+            current_limit::CurrentLimit,
             current_offset::CurrentOffset,
             dead_time::DeadTime,
+            drive_efficiency::DriveEfficiency,
             encoder_eccentricity::EncoderEccentricity,
             gravity::Gravity,
             hardening_stiffness::HardeningStiffness,

@@ -2,7 +2,8 @@
 //! parameter block. A joint with a fixed set names its types instead and pays for no dispatch.
 
 use super::hooks::{
-    Constants, Effects, Felt, Flow, MEMORIES, Memory, Motion, Relaxations, Rubbing, Torque, Winding,
+    Constants, Effects, Excess, Felt, Flow, MEMORIES, Memory, Motion, Relaxations, Rubbing, Torque,
+    Winding,
 };
 use super::worm::Worm;
 use super::{Effect, EffectParameters, Kind};
@@ -39,6 +40,7 @@ struct Uses {
     stages: u32,
     angled_levels: bool,
     drops: bool,
+    limit: bool,
     constants: bool,
     memory: bool,
 }
@@ -63,6 +65,7 @@ impl Uses {
         law!(effect, law => {
             uses.angled_levels |= Effects::<S>::has_angled_levels(law);
             uses.drops |= Effects::<S>::has_drops(law);
+            uses.limit |= Effects::<S>::has_limit(law);
             uses.constants |= Effects::<S>::has_constants(law);
             uses.memory |= Effects::<S>::has_memory(law);
         });
@@ -173,6 +176,11 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
     }
 
     #[inline(always)]
+    fn has_limit(&self) -> bool {
+        self.uses.limit
+    }
+
+    #[inline(always)]
     fn has_constants(&self) -> bool {
         self.uses.constants
     }
@@ -201,6 +209,12 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
     fn voltage_drop(&self, at: Winding<S>, memory: &Memory<S>) -> S {
         asked!(self, (at: Winding<S>, memory: &'a Memory<S>) -> S, S::ZERO,
             |sum, law| sum + law.voltage_drop(at, memory))
+    }
+
+    #[inline(never)]
+    fn excess(&self, settled: S) -> Excess<S> {
+        asked!(self, (settled: S) -> Excess<S>, Excess::NONE,
+            |so_far, law| so_far.then(law.excess(settled - so_far.value)))
     }
 
     #[inline(never)]

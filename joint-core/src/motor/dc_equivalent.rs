@@ -108,6 +108,12 @@ impl<S: Scalar> RotorKick<S> {
         speed.times(self.back_emf)
     }
 
+    /// Speed that the rotor does not gain over the kick where this current is taken off the final one.
+    #[inline(always)]
+    pub(crate) fn lost_speed(&self, taken: S) -> S {
+        taken.times(self.per_drive) - taken.times(self.per_excess)
+    }
+
     /// What an EMF beside the plain one does to the current, from its value at either end of the
     /// kick, given as a speed.
     #[inline(always)]

@@ -253,14 +253,20 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             torque = torque + constants.torque;
             back_emf = back_emf + constants.back_emf;
         }
-        let settled = drive - self.outer.induced_current(state.rotor.speed) * back_emf;
+        let mut settled = drive - self.outer.induced_current(state.rotor.speed) * back_emf;
+        let mut follows = back_emf;
+        if self.effects.has_limit() && !self.current_imposed {
+            let excess = self.effects.excess(settled);
+            settled = settled - excess.value;
+            follows = back_emf * (S::ONE - excess.slope);
+        }
         let mut current = from.current + (settled - from.current) * followed;
         if self.effects.has_drops() && !self.current_imposed {
             let at = Winding { current, per_drop: followed, drive };
             current = current - self.effects.voltage_drop(at, &state.memory) * followed;
         }
         state.current = current;
-        (current * torque, self.outer.induced_current(followed) * back_emf * torque)
+        (current * torque, self.outer.induced_current(followed) * follows * torque)
     }
 }
 

@@ -3,8 +3,9 @@
 use super::constants::Joint;
 use crate::angle::Angle;
 use crate::effect::{Effects, Winding};
+use crate::motor::RotorKick;
 use crate::scalar::Scalar;
-use crate::state::{Each, Input, State};
+use crate::state::{Each, Input, Mass, State};
 
 /// Weight of the first and the last kick of Chin's 4A.
 pub(crate) const OUTER: f64 = 1.0 / 6.0;
@@ -12,6 +13,18 @@ pub(crate) const OUTER: f64 = 1.0 / 6.0;
 pub(crate) const MIDDLE: f64 = 2.0 / 3.0;
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
+    /// What a limit of the current leaves of the drive's voltage over a kick: the settled current is taken
+    /// at the speed in its middle. `emf` is a back-EMF beside the plain one, given as a speed.
+    #[inline(always)]
+    fn limited(&self, kick: &RotorKick<S>, rotor: &Mass<S>, current: S, drive: S, emf: S) -> S {
+        let (ended, _) = kick.apply::<0>(rotor.speed, current, rotor.force, rotor.damping, drive);
+        let middle = (rotor.speed + ended) * S::HALF;
+        let excess = self.effects.excess(drive - kick.induced_current(middle + emf));
+        // Without the torque that is taken the rotor falls short of that speed.
+        let short = kick.induced_current(kick.lost_speed(excess.value) * S::HALF);
+        drive - excess.value - excess.slope * short
+    }
+
     /// Speeds and current over one kick: `WHICH` is 0 for the first, 1 for the middle one, 2 for the
     /// last, each at the angle where its forces are.
     #[inline(always)]
@@ -27,6 +40,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut force = rotor.force;
         let mut drive = input.drive;
         let mut lagging = S::ZERO;
+        let limited = self.effects.has_limit() && !self.current_imposed;
+        if limited {
+            drive = self.limited(kick, rotor, state.current, drive, S::ZERO);
+        }
         if self.effects.has_constants() {
             // The winding follows an EMF that changes over the kick as it follows a speed that does.
             let turned = rotor.speed.times(self.kick_turn);
@@ -39,6 +56,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             let [from, to] = [from, to].map(|at| self.effects.constants(at, mean));
             let emf = [from.back_emf * rotor.speed, to.back_emf * rotor.speed];
             let extra = kick.followed(emf);
+            if limited {
+                let emf = (emf[0] + emf[1]) * S::HALF;
+                drive = self.limited(kick, rotor, state.current, input.drive, emf);
+            }
             let share = (from.torque + to.torque) * S::HALF;
             force = force + share * (mean + extra.mean) + extra.mean;
             lagging = extra.end;
@@ -46,11 +67,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
         if self.effects.has_drops() && !self.current_imposed {
             let (_, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
-            let at = Winding {
-                current: current + lagging,
-                per_drop: kick.approach(),
-                drive: input.drive,
-            };
+            let at = Winding { current: current + lagging, per_drop: kick.approach(), drive };
             drive = drive - self.effects.voltage_drop(at, &state.memory);
         }
         let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);

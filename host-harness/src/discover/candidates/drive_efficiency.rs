@@ -1,0 +1,48 @@
+//! Drive efficiency: friction that grows with the torque passed on, by another share where the load
+//! drives. It is asked beside load-dependent friction, which it becomes where both shares are one.
+
+use joint_core::effect::{EffectParameters, Kind};
+
+use super::super::hypothesis::{Free, Hypothesis};
+use super::Scene;
+use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+
+/// Shares that are tried where the motor drives and where the load does: none, the usual loss of a
+/// gear, and that of one which hardly lets itself be driven.
+const STARTS: [[f64; 2]; 3] = [[0.0, 0.0], [0.05, 0.15], [0.1, 0.5]];
+
+pub(super) const CARD: EffectCard = EffectCard {
+    words: "gear loss that differs between driving the load and being driven by it",
+    residual: Residual::Torque,
+    axis: Axis::Current,
+    experiment: "lift and lower a known weight at the same slow speed and log the current: the two \
+         differences from the weight's own torque are the two losses",
+    reference: None,
+    benchmark: Benchmark::Wide(hidden),
+    propose,
+};
+
+fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
+    let behind = scene.masses().skip(1).filter(|(mass, _)| scene.friction(*mass).coulomb_nm > 0.0);
+    behind
+        .filter(|(_, place)| !scene.has(Kind::DriveEfficiency, *place))
+        .flat_map(|(_, place)| {
+            STARTS.map(|[driving, driven]| Hypothesis {
+                start: EffectParameters::new(Kind::DriveEfficiency, place)
+                    .with("driving", driving)
+                    .with("driven", driven),
+                free: [0, 1].map(|value| Free::Value { value, scale: 0.03, sigma: 10.0 }).to_vec(),
+            })
+        })
+        .collect()
+}
+
+/// A gear that loses four times as much where it is driven: with less, a log tells no more than that
+/// friction follows the load.
+fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
+    Some(
+        EffectParameters::new(Kind::DriveEfficiency, joint.gear()?)
+            .with("driving", 0.08 * joint.size)
+            .with("driven", 0.32 * joint.size),
+    )
+}
