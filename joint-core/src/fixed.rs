@@ -97,6 +97,13 @@ fn nearest_upper(a: i32, b: i32) -> i32 {
     ((i64::from(a) * i64::from(b) + (1 << 31)) >> 32) as i32
 }
 
+/// Upper word of a product, to the nearest, and a sum; the two must not leave 32 bits.
+#[inline(always)]
+fn nearest_upper_beside(sum: i32, a: i32, b: i32) -> i32 {
+    let product = i64::from(a) * i64::from(b) + (1 << 31);
+    ((i64::from(sum) << 32).wrapping_add(product) >> 32) as i32
+}
+
 /// Upper word of a product of 32-bit fractions, rounded down.
 #[inline(always)]
 fn upper(a: i32, b: i32) -> i32 {
@@ -348,11 +355,32 @@ impl Sums for Fixed {
     fn weighed(self, gain: Gain) -> Fixed {
         gain.summed(gain.product(self))
     }
+    /// Constants below an eighth: the upper words of the products are summed, each to the nearest, which is a
+    /// quarter of the last place at most.
     #[inline(always)]
     fn weighed_sum<const K: usize>(terms: [(Fixed, &Gain); K]) -> Fixed {
-        let products = terms.iter().map(|(value, gain)| gain.product(*value));
-        let sum = products.fold(0, i64::wrapping_add);
-        terms.last().map_or(Self::ZERO, |(_, gain)| gain.summed(sum))
+        let Some((_, Gain { power, .. })) = terms.last() else { return Self::ZERO };
+        if *power == 0 {
+            let products = terms.iter().map(|(value, gain)| gain.product(*value));
+            let sum = products.fold(1 << 19, i64::wrapping_add);
+            return Self::from_bits(from_place::<20>(sum));
+        }
+        let upper = terms.iter().fold(0, |sum, (value, gain)| {
+            nearest_upper_beside(sum, value.to_bits(), gain.mantissa.to_bits())
+        });
+        Self::from_bits(nearest_upper(upper, *power))
+    }
+    #[inline(always)]
+    fn corrected<const K: usize>(self, terms: [(Fixed, &Gain); K]) -> Fixed {
+        self + Self::weighed_sum(terms)
+    }
+    /// By upper words, in steps of 2⁻²⁰; the sum stops at the limit.
+    #[inline(always)]
+    fn sum_of_squares<const K: usize>(values: [Fixed; K]) -> Fixed {
+        let upper = values
+            .into_iter()
+            .fold(0, |sum: i32, value| sum.wrapping_add(upper(value.to_bits(), value.to_bits())));
+        Self::from_bits(upper.min(i32::MAX >> (32 - PLACES)) << (32 - PLACES))
     }
     #[inline(always)]
     fn gained(plus: [(Fixed, &Gain); 3], minus: (Fixed, &Gain)) -> Fixed {

@@ -23,6 +23,22 @@ pub trait Sums: Number {
         products.reduce(|sum, product| sum + product).unwrap_or(Self::ZERO)
     }
 
+    /// This number and a sum of products: what a correction makes of a state.
+    #[inline(always)]
+    fn corrected<const K: usize>(self, terms: [(Self, &Self::Gain); K]) -> Self {
+        terms.iter().fold(self, |sum, (value, gain)| sum + value.times(**gain))
+    }
+
+    /// Sum of squares that are all below four.
+    #[inline(always)]
+    fn sum_of_squares<const K: usize>(values: [Self; K]) -> Self {
+        values
+            .map(Self::squared)
+            .into_iter()
+            .reduce(|sum, square| sum + square)
+            .unwrap_or(Self::ZERO)
+    }
+
     /// What a kick makes of a speed: three products less one.
     #[inline(always)]
     fn gained(plus: [(Self, &Self::Gain); 3], minus: (Self, &Self::Gain)) -> Self {

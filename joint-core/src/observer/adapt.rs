@@ -8,7 +8,7 @@
 
 use super::column::CHANNELS;
 use super::gains::{Deceleration, Regime};
-use super::innovation::bounded;
+use super::innovation::{bounded, limited};
 use super::{Observer, Track};
 use crate::effect::Effects;
 use crate::joint::{Mass, State};
@@ -85,7 +85,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         if !by.held && track.electrical.confirmed < gains.most_confirmed {
             track.electrical.confirmed += 1;
         }
-        bounded(&mut own.resistance, gains.most_ohm) | bounded(&mut own.flux, gains.most_flux)
+        bounded([(&mut own.resistance, gains.most_ohm), (&mut own.flux, gains.most_flux)])
     }
 
     #[inline(always)]
@@ -94,10 +94,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let ([without, with], [gain, gain_output]) = (&gains.friction_projection, &gains.level);
         let ([motor, output], gain) = if by.output { (with, gain_output) } else { (without, gain) };
         let [_, by_motor, by_output] = by.innovations;
-        let mut torque = S::weighed_sum([(*by_motor, motor), (*by_output, output)]);
-        bounded(&mut torque, gains.most_friction_projection);
+        let torque = S::weighed_sum([(*by_motor, motor), (*by_output, output)]);
+        let torque = limited(torque, gains.most_friction_projection);
         let own = &mut track.parameters.friction;
         *own = *own + by.beside * torque.times(*gain);
-        bounded(own, gains.most_level)
+        bounded([(own, gains.most_level)])
     }
 }

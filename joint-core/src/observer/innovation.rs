@@ -124,7 +124,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             track.electrical.confirmed.saturating_sub(gains.confirmed / OUTLIERS + 1);
         if track.electrical.confirmed < gains.confirmed {
             let [Whiten { gate, .. }, ..] = gains.whiten;
-            return if ahead.abs() > gate { at_bound(ahead, gate) } else { ahead };
+            return limited(ahead, gate);
         }
         let undisturbed = self.undisturbed(track);
         track.innovation.square = gains.most_mean_square;
@@ -164,9 +164,8 @@ pub(super) fn motor_ahead<S: Real, const N: usize, E: Effects<S>>(
     state: &State<S, N>,
     turn: Turn,
 ) -> S {
-    let error = effects.encoder_error(false, state.angle, state.rotor.speed, &state.memory);
-    let shown = state.angle.part + error;
-    (S::from_turn_counts(turn.0 as i32) - shown).split_turns().1
+    let shown = effects.shown_part(false, state.angle, state.rotor.speed, &state.memory);
+    S::turn_counts_ahead(turn.0 as i32, shown)
 }
 
 /// By how much the measured output angle is ahead of the estimated one, in turns of the output.
@@ -178,28 +177,44 @@ fn output_ahead<S: Real, const N: usize, E: Effects<S>>(
     state: &State<S, N>,
     turn: Turn,
 ) -> S {
-    let wound = state.stages.iter().fold(S::ZERO, |sum, stage| sum + stage.deflection);
+    let wound = state.stages.iter().map(|stage| stage.deflection);
+    let wound = wound.reduce(|sum, deflection| sum + deflection).unwrap_or(S::ZERO);
     let part = (state.angle.part - wound.times(turns)).times(gains.shaft);
     let speed = state.stages.last().map_or(S::ZERO, |stage| stage.mass.speed);
     let angle = crate::angle::Angle { part, ..Default::default() };
-    let shown = part + effects.encoder_error(true, angle, speed, &state.memory);
-    let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
-    (beyond - shown).split_turns().1
+    let shown = effects.shown_part(true, angle, speed, &state.memory);
+    S::turn_counts_ahead(turn.ahead_of(gains.geared.turn(state.angle.whole)), shown)
 }
 
-/// The bound that a value is past.
+/// A value held to its bound; zero for what is no number.
 #[cold]
 #[inline(never)]
-pub(super) fn at_bound<S: Real>(value: S, most: S) -> S {
-    if value < S::ZERO { -most } else { most }
+fn at_bound<S: Real>(value: S, most: S) -> S {
+    if value.abs() <= most {
+        value
+    } else if value > S::ZERO {
+        most
+    } else if value < S::ZERO {
+        -most
+    } else {
+        S::ZERO
+    }
 }
 
-/// Holds a value to its bound; answers whether it was past it.
+/// A value held to its bound.
 #[inline(always)]
-pub(super) fn bounded<S: Real>(value: &mut S, most: S) -> bool {
-    let past = value.abs() > most;
-    if past {
+pub(super) fn limited<S: Real>(value: S, most: S) -> S {
+    if value.abs() <= most { value } else { at_bound(value, most) }
+}
+
+/// Holds values to their bounds; answers whether one was past it or no number.
+#[inline(always)]
+pub(super) fn bounded<S: Real, const K: usize>(values: [(&mut S, S); K]) -> bool {
+    if values.iter().all(|(value, most)| value.abs() <= *most) {
+        return false;
+    }
+    for (value, most) in values {
         *value = at_bound(*value, most);
     }
-    past
+    true
 }

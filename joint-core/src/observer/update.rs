@@ -78,8 +78,8 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             self.apply(track, set, &innovations);
         }
         let by = Adapting { innovations: &innovations, running, beside, held, output };
-        let at_bound = self.adapt(track, &by) | self.bound(track);
-        let status = status.with_if(at_bound, Status::BOUNDED);
+        let status = status.with_if(self.adapt(track, &by), Status::BOUNDED);
+        let status = status.with_if(self.bound(track), Status::BOUNDED);
         self.judged(track, status, unmeasured, output)
     }
 
@@ -107,20 +107,16 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let [a, b, c] = if output { with } else { without };
         let [by_current, by_motor, by_output] = *innovations;
         let projection = S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]);
-        let square = by_current * by_current + by_motor * by_motor + by_output * by_output;
+        let square = S::sum_of_squares([by_current, by_motor, by_output]);
         let square = if square > gains.most_mean_square { gains.most_mean_square } else { square };
         let mean = &mut track.innovation;
         mean.projection = mean.projection + (projection - mean.projection).times(gains.smoothing);
         mean.square = mean.square + (square - mean.square).times(gains.settle);
         let own = &mut track.schedule;
-        let forgotten = own.alarm_rate.times(gains.alarm_rate);
-        if mean.projection.abs() > gains.alarm {
-            own.transient = gains.hold;
-            own.alarm_rate = own.alarm_rate - forgotten + S::ONE.times(gains.alarm_rate);
-        } else {
-            own.transient = own.transient.saturating_sub(1);
-            own.alarm_rate = own.alarm_rate - forgotten;
-        }
+        let alarm = mean.projection.abs() > gains.alarm;
+        own.transient = if alarm { gains.hold } else { own.transient.saturating_sub(1) };
+        let alarm = if alarm { S::ONE } else { S::ZERO };
+        own.alarm_rate = own.alarm_rate + (alarm - own.alarm_rate).times(gains.alarm_rate);
         let (most, hold) = gains.varying;
         own.varying = if own.alarm_rate > most { hold } else { own.varying.saturating_sub(1) };
     }
@@ -150,7 +146,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     fn bound(&self, track: &mut Track<S, N>) -> bool {
         let own = &mut track.disturbance;
-        bounded(&mut own.load, self.gains.most_load) | bounded(&mut own.bias, self.gains.most_bias)
+        bounded([(&mut own.load, self.gains.most_load), (&mut own.bias, self.gains.most_bias)])
     }
 
     /// Health, and a new start where there is no estimate.
@@ -190,38 +186,46 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         innovations: &[S; CHANNELS],
     ) {
         let [by_current, by_motor, by_output] = *innovations;
-        let both = |a, b| S::weighed_sum([(by_current, a), (by_motor, b)]);
-        let sum = |a, b, c| match N {
-            0 => both(a, b),
-            _ => S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]),
-        };
-        macro_rules! sum {
-            ($field:ident) => {
-                sum(&first.$field, &second.$field, &third.$field)
+        macro_rules! correct {
+            ($value:expr, $a:expr, $b:expr) => {
+                $value = $value.corrected([(by_current, $a), (by_motor, $b)])
+            };
+            ($value:expr, $a:expr, $b:expr, $c:expr) => {
+                match N {
+                    0 => correct!($value, $a, $b),
+                    _ => {
+                        let terms = [(by_current, $a), (by_motor, $b), (by_output, $c)];
+                        $value = $value.corrected(terms);
+                    }
+                }
             };
         }
         let State { current, angle, rotor, stages, .. } = &mut track.state;
         // The winding settles faster than an angle tells of it: the output's has no say in what is
         // electrical.
-        *current = *current + both(&first.current, &second.current);
+        correct!(*current, &first.current, &second.current);
         // The next step's sum wraps it.
-        angle.part = angle.part + sum!(angle);
-        rotor.speed = rotor.speed + sum!(speed);
+        correct!(angle.part, &first.angle, &second.angle, &third.angle);
+        correct!(rotor.speed, &first.speed, &second.speed, &third.speed);
         let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
         let mut before = &mut rotor.force;
         for ((stage, own), ((a, b), c)) in stages.iter_mut().zip(&self.joint.stages).zip(rows) {
-            let wound = sum(&a.deflection, &b.deflection, &c.deflection);
+            let wound = S::weighed_sum([
+                (by_current, &a.deflection),
+                (by_motor, &b.deflection),
+                (by_output, &c.deflection),
+            ]);
             let torque = own.spring.slope(stage.deflection) * wound;
             stage.deflection = stage.deflection + wound;
             let mass = &mut stage.mass;
-            mass.speed = mass.speed + sum(&a.speed, &b.speed, &c.speed);
+            correct!(mass.speed, &a.speed, &b.speed, &c.speed);
             *before = *before - torque;
             mass.force = mass.force + torque;
             before = &mut mass.force;
         }
         let own = &mut track.disturbance;
-        own.load = own.load + sum!(load);
-        own.slope = own.slope + sum!(slope);
-        own.bias = own.bias + both(&first.bias, &second.bias);
+        correct!(own.load, &first.load, &second.load, &third.load);
+        correct!(own.slope, &first.slope, &second.slope, &third.slope);
+        correct!(own.bias, &first.bias, &second.bias);
     }
 }

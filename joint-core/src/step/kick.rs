@@ -3,6 +3,7 @@
 use super::constants::Joint;
 use crate::angle::Angle;
 use crate::effect::{Effects, Winding};
+use crate::motor::RotorKick;
 use crate::scalar::Scalar;
 use crate::state::{Each, Input, State};
 
@@ -24,26 +25,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     ) {
         let kick = if WHICH == 1 { &self.middle } else { &self.outer };
         let rotor = &mut state.rotor;
-        let mut force = rotor.force;
         let mut drive = input.drive;
-        let mut lagging = S::ZERO;
-        if self.effects.has_constants() {
-            // The winding follows an EMF that changes over the kick as it follows a speed that does.
-            let turned = rotor.speed.times(self.kick_turn);
-            let [from, to] = match WHICH {
-                0 => [angle, angle.ahead(turned)],
-                1 => [angle.ahead(-(turned + turned)), angle.ahead(turned + turned)],
-                _ => [angle.ahead(-turned), angle],
-            };
-            let mean = kick.mean_current(rotor.speed, state.current, drive);
-            let [from, to] = [from, to].map(|at| self.effects.constants(at, mean));
-            let emf = [from.back_emf * rotor.speed, to.back_emf * rotor.speed];
-            let extra = kick.followed(emf);
-            let share = (from.torque + to.torque) * S::HALF;
-            force = force + share * (mean + extra.mean) + extra.mean;
-            lagging = extra.end;
-        }
         let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
+        let under = rotor.force;
+        let driven = |drive| self.driven::<WHICH>(kick, angle, under, [speed, current, drive]);
+        let (mut force, lagging) = driven(drive);
         if self.effects.has_drops() && !self.current_imposed {
             let (_, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
             let at = Winding {
@@ -52,6 +38,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 drive: input.drive,
             };
             drive = drive - self.effects.voltage_drop(at, &state.memory);
+            // Saturation is that of the current which the drop leaves.
+            if self.effects.has_constants() {
+                force = driven(drive).0;
+            }
         }
         let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
         rotor.speed = speed;
@@ -70,5 +60,32 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 _ => mass.speed.kicked::<false>(gained, lost),
             };
         }
+    }
+
+    /// A force on the rotor with what effects on the motor constants add at a speed, a current and a drive;
+    /// and what they make of the current at the kick's end.
+    #[inline(always)]
+    fn driven<const WHICH: usize>(
+        &self,
+        kick: &RotorKick<S>,
+        angle: Angle<S>,
+        force: S,
+        [speed, current, drive]: [S; 3],
+    ) -> (S, S) {
+        if !self.effects.has_constants() {
+            return (force, S::ZERO);
+        }
+        // The winding follows an EMF that changes over the kick as it follows a speed that does.
+        let turned = speed.times(self.kick_turn);
+        let [from, to] = match WHICH {
+            0 => [angle, angle.ahead(turned)],
+            1 => [angle.ahead(-(turned + turned)), angle.ahead(turned + turned)],
+            _ => [angle.ahead(-turned), angle],
+        };
+        let mean = kick.mean_current(speed, current, drive);
+        let [from, to] = [from, to].map(|at| self.effects.constants(at, mean));
+        let extra = kick.followed([from.back_emf * speed, to.back_emf * speed]);
+        let share = (from.torque + to.torque) * S::HALF;
+        (force + share * (mean + extra.mean) + extra.mean, extra.end)
     }
 }
