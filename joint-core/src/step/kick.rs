@@ -5,7 +5,7 @@ use crate::angle::Angle;
 use crate::effect::{Effects, Winding};
 use crate::motor::RotorKick;
 use crate::scalar::Scalar;
-use crate::state::{Each, Input, State};
+use crate::state::{Each, Input, Mass, State};
 
 /// Weight of the first and the last kick of Chin's 4A.
 pub(crate) const OUTER: f64 = 1.0 / 6.0;
@@ -27,22 +27,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let rotor = &mut state.rotor;
         let mut drive = input.drive;
         let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
-        let under = rotor.force;
-        let driven = |drive| self.driven::<WHICH>(kick, angle, under, [speed, current, drive]);
-        let (mut force, lagging) = driven(drive);
+        let (mut force, lagging) =
+            self.driven::<WHICH>(kick, angle, rotor.force, [speed, current, drive]);
         if self.effects.has_drops() && !self.current_imposed {
-            let (_, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
-            let at = Winding {
-                current: current + lagging,
-                per_drop: kick.approach(),
-                drive: input.drive,
-            };
-            drive = drive - self.effects.voltage_drop(at, &state.memory);
-            // Saturation is that of the current which the drop leaves.
-            if self.effects.has_constants() {
-                force = driven(drive).0;
-            }
+            (force, drive) = self.dropped::<WHICH>(state, angle, drive);
         }
+        let rotor = &mut state.rotor;
         let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
         rotor.speed = speed;
         state.current = if self.effects.has_constants() { current + lagging } else { current };
@@ -60,6 +50,29 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 _ => mass.speed.kicked::<false>(gained, lost),
             };
         }
+    }
+
+    /// Force and drive of a kick under the voltage that is lost on the way to the winding.
+    #[inline(never)]
+    fn dropped<const WHICH: usize>(
+        &self,
+        state: &State<S, N>,
+        angle: Angle<S>,
+        drive: S,
+    ) -> (S, S) {
+        let kick = if WHICH == 1 { &self.middle } else { &self.outer };
+        let (Mass { speed, damping, force, .. }, current) = (state.rotor, state.current);
+        let driven = |drive| self.driven::<WHICH>(kick, angle, force, [speed, current, drive]);
+        let (force, lagging) = driven(drive);
+        let (_, ended) = kick.apply::<WHICH>(speed, current, force, damping, drive);
+        let at = Winding { current: ended + lagging, per_drop: kick.approach(), drive };
+        let left = drive - self.effects.voltage_drop(at, &state.memory);
+        // Saturation is that of the current which the drop leaves.
+        let force = match self.effects.has_constants() {
+            true => driven(left).0,
+            false => force,
+        };
+        (force, left)
     }
 
     /// A force on the rotor with what effects on the motor constants add at a speed, a current and a drive;
