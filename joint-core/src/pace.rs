@@ -7,8 +7,9 @@
 //! raise a friction level; play does neither.
 
 use crate::effect::{EffectParameters, Kind};
+use crate::friction::LEAST_BETA;
 use crate::gear::tangent;
-use crate::params::{Load, Location, Motor, Stage};
+use crate::params::{Friction, Load, Location, Motor, Stage};
 use crate::per_unit::{Bases, mass_at, reflected_inertia};
 use crate::settings::{Method, Settings};
 use crate::step::MIDDLE;
@@ -51,7 +52,8 @@ pub struct Pace {
     /// Bound for the fastest mode of the chain, rad/s, with every spring at its tangent under twice
     /// the breakaway torque and every bristle stuck.
     pub mode_rad_per_s: f64,
-    /// Strongest damping of a mass, 1/s, as a bristle that bends doubles it: (2σ1 + σ2)/J.
+    /// Strongest damping of a mass, 1/s: (σ1 (1 + s) + σ2)/J, where s is what a bristle that is bent at the
+    /// highest level slips back by where the speed turns round, [`most_slipping`].
     pub damping_per_s: f64,
     /// Fastest growth of a mass's slip where the Stribeck curve falls steepest, 1/s; zero where
     /// viscous friction outweighs it.
@@ -105,7 +107,9 @@ impl Pace {
                 row += after / libm::sqrt(own * inertia(mass + 1));
             }
             fastest = fastest.max(row);
-            let loss = 2.0 * friction.sigma1_nm_s_per_rad + friction.sigma2_nm_s_per_rad;
+            let loss = (1.0 + most_slipping(friction) * added.level(mass))
+                * friction.sigma1_nm_s_per_rad
+                + friction.sigma2_nm_s_per_rad;
             pace.damping_per_s = pace.damping_per_s.max(loss * square / own);
             let falling = STEEPEST * friction.stribeck_nm * added.level(mass)
                 / friction.stribeck_velocity_rad_per_s;
@@ -180,6 +184,23 @@ impl Pace {
         let micro_steps = settings.micro_steps.unwrap_or(found).clamp(1, MAX_MICRO_STEPS);
         Plan { method, micro_steps }
     }
+}
+
+/// Largest ∂(|v| ρ ζ)/∂v, of which the damping σ1 ∂ż/∂v is one less: ζ up to the highest level, against the
+/// speed, times the steepest of |v| ρ, equation (3). One without a Stribeck curve.
+fn most_slipping(friction: &Friction) -> f64 {
+    if friction.coulomb_nm <= 0.0 {
+        return 1.0;
+    }
+    let beta = (friction.stribeck_nm / friction.coulomb_nm).max(LEAST_BETA);
+    let slope = |square: f64| {
+        let excess = beta * libm::exp(-square);
+        let rho = 1.0 / (1.0 + excess);
+        rho * (1.0 + 2.0 * square * excess * rho)
+    };
+    // The slope turns round within a square of one; at its ends it is 1/(1 + β) and one.
+    let steepest = (0..64).map(|k| slope(0.125 * f64::from(k))).fold(1.0, f64::max);
+    steepest * (1.0 + beta.max(0.0))
 }
 
 /// The next whole number of micro-steps.
@@ -269,7 +290,6 @@ impl Added<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::Friction;
     use crate::settings::Drive;
 
     const MOTOR: Motor = Motor {
@@ -347,6 +367,25 @@ mod tests {
         assert_eq!(of(1e8).plan_for(&asked, true).micro_steps, MAX_MICRO_STEPS);
         let plan = of(1e8).plan_for(&Settings::new(Drive::Voltage, 50e-6), false);
         assert_eq!(plan.method, Method::Splitting);
+    }
+
+    #[test]
+    fn a_bristle_against_the_speed_counts_at_its_highest_level_and_steepest_curve() {
+        let of = |stribeck_nm| {
+            most_slipping(&Friction { coulomb_nm: 1.0, stribeck_nm, ..MOTOR.friction })
+        };
+        assert_eq!(of(0.0), 1.0);
+        for beta in [-0.9, -0.4, 0.3, 2.0, 7.0] {
+            // By differences, on a grid twenty times as fine.
+            let slip = |speed: f64| speed / (1.0 + beta * (-speed * speed).exp());
+            let steepest = (0..6000)
+                .map(|k| 5e-4 * f64::from(k))
+                .map(|speed| (slip(speed + 1e-6) - slip(speed - 1e-6)) / 2e-6)
+                .fold(1.0, f64::max);
+            let exact = steepest * (1.0 + beta.max(0.0));
+            // Between two points an eighth of the square apart the slope's top is lower by no more.
+            assert!((of(beta) / exact - 1.0).abs() < 0.01, "{beta}: {} {exact}", of(beta));
+        }
     }
 
     #[test]

@@ -132,9 +132,14 @@ impl<S: Scalar> Constants<S> {
     /// As they are.
     pub const NONE: Self = Self { torque: S::ZERO, back_emf: S::ZERO };
 
+    /// Both: factors one after the other, which keep the constants' sign.
     #[inline(always)]
-    pub(super) fn plus(self, other: Self) -> Self {
-        Self { torque: self.torque + other.torque, back_emf: self.back_emf + other.back_emf }
+    pub(super) fn times(self, other: Self) -> Self {
+        let both = |own: S, other: S| own + other + own * other;
+        Self {
+            torque: both(self.torque, other.torque),
+            back_emf: both(self.back_emf, other.back_emf),
+        }
     }
 }
 
@@ -293,6 +298,12 @@ pub trait Effects<S: Scalar> {
         S::ZERO
     }
 
+    /// The part of a turn that an encoder shows.
+    #[inline(always)]
+    fn shown_part(&self, output: bool, angle: Angle<S>, speed: S, memory: &Memory<S>) -> S {
+        angle.part + self.encoder_error(output, angle, speed, memory)
+    }
+
     /// Torque on a mass from its own motion.
     #[inline(always)]
     fn torque(&self, _mass: usize, _at: Motion<S>, _memory: &Memory<S>) -> Torque<S> {
@@ -335,4 +346,9 @@ pub trait Effects<S: Scalar> {
     fn relax(&self, _flow: &Flow<'_, S>, _all: &mut Relaxations<S>) {}
 }
 
-impl<S: Scalar> Effects<S> for () {}
+impl<S: Scalar> Effects<S> for () {
+    #[inline(always)]
+    fn shown_part(&self, _output: bool, angle: Angle<S>, _speed: S, _: &Memory<S>) -> S {
+        angle.part
+    }
+}

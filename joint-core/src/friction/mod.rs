@@ -60,7 +60,7 @@ pub struct Friction<S: LuGre> {
 batch!(Friction<LuGre>: per_stribeck_velocity, beta, kappa, level, per_reach, stiffness, sigma1, sigma2, standing, corner, reversal);
 
 /// A level g(v) of zero at standstill would leave ζ there undefined.
-const LEAST_BETA: f64 = -1.0 + 1e-6;
+pub(crate) const LEAST_BETA: f64 = -1.0 + 1e-6;
 
 /// A speed that crosses zero evenly between the two half drifts makes ∫|v| other than the halves do, by
 /// ⅓ of the smaller of the two and less 1/72 of their sum: the least-squares line over all crossings.

@@ -31,6 +31,9 @@ impl Status {
     /// There is no estimate: no rotor angle has come yet, or for too long.
     pub const LOST: Status = Status(1 << 9);
 
+    /// No rotor angle was accepted; within an update alone.
+    pub(super) const UNMEASURED: Status = Status(1 << 15);
+
     /// Each flag with its name, the gravest first.
     pub const NAMES: [(Status, &'static str); 10] = [
         (Status::LOST, "lost"),
@@ -56,6 +59,13 @@ impl Status {
     #[must_use]
     pub const fn with(self, flags: Status) -> Self {
         Self(self.0 | flags.0)
+    }
+
+    /// Without these flags.
+    #[inline(always)]
+    #[must_use]
+    pub(super) const fn without(self, flags: Status) -> Self {
+        Self(self.0 & !flags.0)
     }
 
     /// With these flags set where that is so.

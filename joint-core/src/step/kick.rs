@@ -37,39 +37,21 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     ) {
         let kick = if WHICH == 1 { &self.middle } else { &self.outer };
         let rotor = &mut state.rotor;
-        let mut force = rotor.force;
         let mut drive = input.drive;
-        let mut lagging = S::ZERO;
         let limited = self.effects.has_limit() && !self.current_imposed;
         if limited {
             drive = self.limited(kick, rotor, state.current, drive, S::ZERO);
         }
-        if self.effects.has_constants() {
-            // The winding follows an EMF that changes over the kick as it follows a speed that does.
-            let turned = rotor.speed.times(self.kick_turn);
-            let [from, to] = match WHICH {
-                0 => [angle, angle.ahead(turned)],
-                1 => [angle.ahead(-(turned + turned)), angle.ahead(turned + turned)],
-                _ => [angle.ahead(-turned), angle],
-            };
-            let mean = kick.mean_current(rotor.speed, state.current, drive);
-            let [from, to] = [from, to].map(|at| self.effects.constants(at, mean));
-            let emf = [from.back_emf * rotor.speed, to.back_emf * rotor.speed];
-            let extra = kick.followed(emf);
-            if limited {
-                let emf = (emf[0] + emf[1]) * S::HALF;
-                drive = self.limited(kick, rotor, state.current, input.drive, emf);
-            }
-            let share = (from.torque + to.torque) * S::HALF;
-            force = force + share * (mean + extra.mean) + extra.mean;
-            lagging = extra.end;
-        }
         let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
-        if self.effects.has_drops() && !self.current_imposed {
-            let (_, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
-            let at = Winding { current: current + lagging, per_drop: kick.approach(), drive };
-            drive = drive - self.effects.voltage_drop(at, &state.memory);
+        let Driven { mut force, lagging, emf } =
+            self.driven::<WHICH>(kick, angle, rotor.force, [speed, current, drive]);
+        if limited && self.effects.has_constants() {
+            drive = self.limited(kick, rotor, current, input.drive, emf);
         }
+        if self.effects.has_drops() && !self.current_imposed {
+            (force, drive) = self.dropped::<WHICH>(state, angle, drive);
+        }
+        let rotor = &mut state.rotor;
         let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
         rotor.speed = speed;
         state.current = if self.effects.has_constants() { current + lagging } else { current };
@@ -88,4 +70,68 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             };
         }
     }
+
+    /// Force and drive of a kick under the voltage that is lost on the way to the winding.
+    #[inline(never)]
+    fn dropped<const WHICH: usize>(
+        &self,
+        state: &State<S, N>,
+        angle: Angle<S>,
+        drive: S,
+    ) -> (S, S) {
+        let kick = if WHICH == 1 { &self.middle } else { &self.outer };
+        let (Mass { speed, damping, force, .. }, current) = (state.rotor, state.current);
+        let driven = |drive| self.driven::<WHICH>(kick, angle, force, [speed, current, drive]);
+        let Driven { force, lagging, .. } = driven(drive);
+        let (_, ended) = kick.apply::<WHICH>(speed, current, force, damping, drive);
+        let at = Winding { current: ended + lagging, per_drop: kick.approach(), drive };
+        let left = drive - self.effects.voltage_drop(at, &state.memory);
+        // Saturation is that of the current which the drop leaves.
+        let force = match self.effects.has_constants() {
+            true => driven(left).force,
+            false => force,
+        };
+        (force, left)
+    }
+
+    /// A force on the rotor with what effects on the motor constants add at a speed, a current and a drive.
+    #[inline(always)]
+    fn driven<const WHICH: usize>(
+        &self,
+        kick: &RotorKick<S>,
+        angle: Angle<S>,
+        force: S,
+        [speed, current, drive]: [S; 3],
+    ) -> Driven<S> {
+        if !self.effects.has_constants() {
+            return Driven { force, lagging: S::ZERO, emf: S::ZERO };
+        }
+        // The winding follows an EMF that changes over the kick as it follows a speed that does.
+        let turned = speed.times(self.kick_turn);
+        let [from, to] = match WHICH {
+            0 => [angle, angle.ahead(turned)],
+            1 => [angle.ahead(-(turned + turned)), angle.ahead(turned + turned)],
+            _ => [angle.ahead(-turned), angle],
+        };
+        let mean = kick.mean_current(speed, current, drive);
+        let [from, to] = [from, to].map(|at| self.effects.constants(at, mean));
+        let emf = [from.back_emf * speed, to.back_emf * speed];
+        let extra = kick.followed(emf);
+        let share = (from.torque + to.torque) * S::HALF;
+        Driven {
+            force: force + share * (mean + extra.mean) + extra.mean,
+            lagging: extra.end,
+            emf: (emf[0] + emf[1]) * S::HALF,
+        }
+    }
+}
+
+/// What effects on the motor constants make of a kick.
+struct Driven<S> {
+    /// Force on the rotor with theirs.
+    force: S,
+    /// Part of the current at the kick's end.
+    lagging: S,
+    /// Mean of the back-EMF beside the plain one, given as a speed.
+    emf: S,
 }
