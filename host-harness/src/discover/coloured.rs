@@ -21,8 +21,9 @@ use super::needless::{bare, drop_needless, without};
 use super::order::ask_order;
 use super::score_test::{Gain, ScoreTest};
 use super::search::{Contender, LEAST_GAIN, LOST, Round, Search, Stage, excess, title};
+use super::whereabouts::{of_push, pushed};
 use crate::estimate::colour::coloured;
-use crate::estimate::filter::{Linearisation, Noise};
+use crate::estimate::filter::{Equation, Linearisation, Noise, Walk};
 use crate::estimate::fit::{Fit, Known, Problem};
 use crate::estimate::refit::{self, cost, polish, polish_on};
 use crate::interrupt;
@@ -66,7 +67,24 @@ pub(super) fn search_coloured(
     drop_needless(problem, &mut other, true)?;
     // A name has to earn what counts, or the simpler model stands.
     let owed = |search: &Search| cost(&search.after.fit) + LEAST_GAIN * search.rounds.len() as f64;
-    Ok((owed(&other) < owed(found)).then_some(other))
+    if owed(&other) >= owed(found) {
+        return Ok(None);
+    }
+    let left = |fit: &Fit| disturbance(&problem, fit, &found.expected);
+    let (own, plain) = rayon::join(|| left(&other.after.fit), || left(&found.after.fit));
+    Ok((own? < plain?).then_some(other))
+}
+
+/// RMS of the rotor torque that a model misses over the samples fitted to, Nm: a likelihood of many sensors may be
+/// won by what hardly moves the joint.
+fn disturbance(problem: &Problem<'_>, fit: &Fit, expected: &Noise) -> Result<f64, BuildError> {
+    let scale = 20.0 * expected.torque;
+    let walk = Walk::random(Equation::Torque(0), scale, 10.0 * scale);
+    let torques = of_push(&pushed(problem, &fit.model, expected, walk)?);
+    let fitted = torques.iter().zip(problem.mask).filter(|(_, weight)| **weight > 0.0);
+    let (sum, count) =
+        fitted.fold((0.0, 0.0), |(sum, count), (torque, _)| (sum + torque * torque, count + 1.0));
+    Ok(f64::sqrt(sum / f64::max(count, 1.0)))
 }
 
 /// Goes on from what a search without a coloured disturbance has found: its effects are asked again beside one,

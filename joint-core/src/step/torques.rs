@@ -58,9 +58,8 @@ mod tests {
     use crate::joint::{Drive, Joint, Settings};
     use crate::params::{Friction, Load, Motor, Stage};
 
-    /// At constant speed nothing accelerates: what drives a mass is what brakes it.
-    #[test]
-    fn at_constant_speed_the_torques_on_every_mass_balance() {
+    /// What is left over on rotor and output of a joint that has slid for ten seconds, of the motor's torque.
+    fn left_over(step_s: f64) -> [f64; 3] {
         let friction = Friction {
             sigma0_nm_per_rad: 14.0,
             sigma1_nm_s_per_rad: 0.012,
@@ -84,24 +83,36 @@ mod tests {
             friction: Friction { coulomb_nm: 0.2, sigma0_nm_per_rad: 500.0, ..friction },
             ..Stage::default()
         };
-        let settings = Settings::new(Drive::Voltage, 1e-4);
+        let settings = Settings::new(Drive::Voltage, step_s);
         let joint = Joint::<f64, 1>::new(&motor, &[stage], &Load::default(), &settings).unwrap();
         let mut state = joint.rest();
         // The load is the output's own; reflected by the gear, which reverses.
         let load_nm = 0.3;
-        for _ in 0..100_000 {
+        for _ in 0..(10.0 / step_s) as usize {
             joint.step(&mut state, joint.input(6.0, load_nm));
         }
         let torques = joint.torques(&state);
-        let close = |found: f64, wanted: f64, what: &str| {
-            // Rounding of a state that has settled: 1e-9 of the largest torque.
-            assert!((found - wanted).abs() < 1e-9 * torques.motor, "{what}: {found} {wanted}");
-        };
-        assert!(torques.motor > 0.014 && state.rotor.speed > 0.0);
-        close(torques.motor, torques.motor_friction + torques.stages[0], "rotor");
-        close(torques.stages[0], torques.stage_friction[0] - load_nm / 9.0, "output");
+        // It slides: no bristle holds a mass.
+        assert!(torques.motor > 0.0 && state.rotor.speed > 1.0);
         let speed = joint.speed_rad_per_s(&state, 1) / 9.0;
-        let slipping = 0.2 + 9e-5 * speed;
-        close(torques.stage_friction[0], slipping / 9.0, "friction of the stage");
+        let slipping = (0.2 + 9e-5 * speed) / 9.0;
+        [
+            torques.motor - torques.motor_friction - torques.stages[0],
+            torques.stages[0] - torques.stage_friction[0] + load_nm / 9.0,
+            torques.stage_friction[0] - slipping,
+        ]
+        .map(|left| left.abs() / torques.motor)
+    }
+
+    /// At constant speed nothing accelerates: what drives a mass is what brakes it. The step balances forces
+    /// with their gradient in the middle kick, h²/24 of it, so that those at a sample balance to the second order.
+    #[test]
+    fn at_constant_speed_the_torques_on_every_mass_balance() {
+        let [coarse, fine] = [1e-4, 5e-5].map(left_over);
+        for (coarse, fine) in coarse.into_iter().zip(fine) {
+            assert!(coarse < 1e-3, "{coarse}");
+            // Rounding of a state that has settled: 1e-9.
+            assert!(fine < 1e-9 || (3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
+        }
     }
 }
