@@ -405,11 +405,19 @@ fn compared(
 #[test]
 fn mujoco_runs_the_model_as_the_reference_does() {
     let Some(python) = joint_tests::python::with("mujoco", "mujoco_runs_the_model") else { return };
-    // Of first order at MuJoCo's step, which resolves the fastest mode by 0.1 rad: 1 % at most, and 0.1 %
-    // for angles, which are sums.
-    for (name, error) in compared(MODEL, "mjcf", "reference", python, "mujoco_run.py") {
-        let bound = if name.ends_with("angle_rad") { 1e-3 } else { 1e-2 };
-        assert!(error < bound, "{name}: {error}");
+    held(&compared(MODEL, "mjcf", "reference", python, "mujoco_run.py"));
+}
+
+/// Errors are of first order in MuJoCo's step, which turns the fastest mode by 0.1 rad: half of it halves them.
+/// An element that is left out makes one that is larger in some signal: 0.37 % of a wind-up for the cubic
+/// stiffness, 5 % for the hysteresis, 0.4 % of a speed or more for the others.
+fn held(errors: &[(String, f64)]) {
+    for name in ["stage1_windup_rad", "stage2_windup_rad", "current_a", "output_speed_rad_per_s"] {
+        assert!(errors.iter().any(|(own, _)| own == name), "{name}: {errors:?}");
+    }
+    for (name, error) in errors {
+        let bound = if name.ends_with("angle_rad") { 1e-4 } else { 2e-3 };
+        assert!(*error < bound, "{name}: {error}");
     }
 }
 
@@ -428,10 +436,7 @@ fn mujoco_has_the_effects_that_the_file_does_not_leave_out() {
     let folder = tempfile::tempdir().unwrap();
     let told = export(folder.path(), &model, "--format mjcf --out m.xml");
     assert_eq!(told["lost"], serde_json::json!([]));
-    for (name, error) in compared(&model, "mjcf", "reference", python, "mujoco_run.py") {
-        let bound = if name.ends_with("angle_rad") { 2e-3 } else { 2e-2 };
-        assert!(error < bound, "{name}: {error}");
-    }
+    held(&compared(&model, "mjcf", "reference", python, "mujoco_run.py"));
 }
 
 #[test]

@@ -158,7 +158,7 @@ impl Component {
     }
 
     /// An instance of the same joint in a state from its bytes.
-    pub(crate) fn from_bytes(&self, bytes: &[u8]) -> Result<Self, JointError> {
+    pub(crate) fn restored(&self, bytes: &[u8]) -> Result<Self, JointError> {
         let unreadable = |error| JointError(format!("these bytes are no state of it: {error}"));
         let kept: Kept = postcard::from_bytes(bytes).map_err(unreadable)?;
         if kept.parameters.len() != self.parameters.len() {

@@ -333,7 +333,7 @@ functions! {
         else {
             return ERROR;
         };
-        match own.component.from_bytes(bytes) {
+        match own.component.restored(bytes) {
             // SAFETY: null, or a state given here and not freed.
             Ok(made) => match unsafe { place.as_mut() } {
                 Some(old) => *old = made,

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+def _known(kind: type[Any], raw: dict[str, Any]) -> Any:
+    """The fields that are known; results may have more."""
+    return kind(**{name: raw[name] for name in kind.__dataclass_fields__})
+
+
 @dataclass(frozen=True)
 class Rival:
     """Another name that was considered for an effect."""
@@ -165,20 +170,18 @@ class Discovery(_Reported):
     @property
     def where(self) -> Where:
         """Where the refitted nominal and the log disagree."""
-        return Where(**self.raw["where"])
+        return _known(Where, self.raw["where"])
 
     @property
     def gap(self) -> Gap:
         """How far predictions miss."""
-        return Gap(**self.raw["gap"])
+        return _known(Gap, self.raw["gap"])
 
     @property
     def budget(self) -> Budget | None:
         """Where what the refitted nominal misses goes."""
         budget = self.raw["budget"]
-        if budget is None:
-            return None
-        return Budget(**{name: budget[name] for name in Budget.__dataclass_fields__})
+        return None if budget is None else _known(Budget, budget)
 
     @property
     def next_experiment(self) -> str:
@@ -229,7 +232,7 @@ class Identification(_Reported):
     @property
     def parameters(self) -> list[Parameter]:
         """Every parameter that was refitted."""
-        return [Parameter(key, **own) for key, own in self.raw["parameters"].items()]
+        return [_known(Parameter, {"key": key, **own}) for key, own in self.raw["parameters"].items()]
 
     @property
     def noise(self) -> dict[str, Any]:

@@ -14,13 +14,14 @@ from ._results import Check, Discovery, Finding, Identification, Observation, Si
 
 def _read(log: Log) -> _native.Log:
     own = native(log)
-    _warn(own.warnings)
+    _warn(own.warnings, level=4)
     return own
 
 
-def _warn(texts: Iterable[str]) -> None:
+def _warn(texts: Iterable[str], level: int = 3) -> None:
+    """At the line that called a verb, which is so many frames up."""
     for text in texts:
-        warnings.warn(text, stacklevel=3)
+        warnings.warn(text, stacklevel=level)
 
 
 def check(log: Log, model: Model) -> Check:

@@ -9,10 +9,9 @@ import sys
 
 import mujoco
 
-COLUMNS = ("motor_angle_rad", "motor_speed_rad_per_s", "output_angle_rad", "output_speed_rad_per_s")
-
 model = mujoco.MjModel.from_xml_path(sys.argv[1])
 data = mujoco.MjData(model)
+columns = [model.sensor(k).name for k in range(model.nsensor)]
 with open(sys.argv[2], encoding="utf-8") as file:
     rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
 interval = rows[1]["t_s"] - rows[0]["t_s"]
@@ -23,9 +22,9 @@ drive, load = model.actuator("voltage_v"), model.actuator("load_torque")
 current = model.actuator_actadr[drive.id] + model.actuator_actnum[drive.id] - 1
 mujoco.mj_forward(model, data)
 with open(sys.argv[3], "w", encoding="utf-8") as file:
-    print("t_s", *COLUMNS, "current_a", sep=",", file=file)
+    print("t_s", *columns, "current_a", sep=",", file=file)
     for row in rows:
-        sensors = [repr(float(data.sensor(name).data[0])) for name in COLUMNS]
+        sensors = [repr(float(data.sensor(name).data[0])) for name in columns]
         print(repr(row["t_s"]), *sensors, repr(float(data.act[current])), sep=",", file=file)
         data.ctrl[drive.id], data.ctrl[load.id] = row["u_v"], row["load_torque_nm"]
         for _ in range(steps):

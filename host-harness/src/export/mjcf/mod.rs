@@ -84,13 +84,18 @@ pub fn mjcf(model: &Model, options: &DriveOptions) -> Mjcf {
         let _ = write!(text, "  <tendon>\n{tendons}  </tendon>\n");
     }
     let output = masses::name(count - 1, count);
+    let windups: String = (1..count)
+        .map(|number| {
+            format!("    <tendonpos name=\"stage{number}_windup_rad\" tendon=\"stage{number}_windup_rad\"/>\n")
+        })
+        .collect();
     let _ = write!(
         text,
         "  <actuator>\n{actuators}    <motor name=\"load_torque\" joint=\"{output}\" gear=\"-1\"/>\n  \
          </actuator>\n  <sensor>\n    <jointpos name=\"motor_angle_rad\" joint=\"rotor\"/>\n    \
          <jointvel name=\"motor_speed_rad_per_s\" joint=\"rotor\"/>\n    \
          <jointpos name=\"output_angle_rad\" joint=\"{output}\"/>\n    \
-         <jointvel name=\"output_speed_rad_per_s\" joint=\"{output}\"/>\n  </sensor>\n</mujoco>\n"
+         <jointvel name=\"output_speed_rad_per_s\" joint=\"{output}\"/>\n{windups}  </sensor>\n</mujoco>\n"
     );
     Mjcf { text, lost }
 }
