@@ -134,6 +134,9 @@ fn a_sum_of_weighed_numbers_is_right_to_its_own_last_place() {
         for k in -200..=200 {
             let x = [0.004, -0.0011, 0.0047].map(|step| Fixed::from_f64(step * f64::from(k)));
             let exact: f64 = x.iter().zip(values).map(|(x, value)| x.to_f64() * value).sum();
+            if exact.abs() > 31.0 {
+                continue;
+            }
             let sum = Fixed::weighed_sum([(x[0], &a), (x[1], &b), (x[2], &c)]).to_f64();
             // Three upper words, each half a unit off, of four times the sum's scale at most, and the
             // last rounding down.

@@ -79,6 +79,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             return status;
         }
         let speed = if last && fast { moved } else { moved * eighth }.times(self.gains.per_turn);
+        if speed.abs() > self.gains.most_speed {
+            track.age = 0;
+            return status.with(Status::GLITCH);
+        }
         let state = &mut track.state;
         state.angle.advance(moved);
         state.rotor.speed = speed;

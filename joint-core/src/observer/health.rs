@@ -54,6 +54,12 @@ impl Status {
         self.0 & flags.0 == flags.0
     }
 
+    /// Whether one of these flags is set.
+    #[inline(always)]
+    pub(super) const fn has_any(self, flags: Status) -> bool {
+        self.0 & flags.0 != 0
+    }
+
     /// With these flags set.
     #[inline(always)]
     #[must_use]

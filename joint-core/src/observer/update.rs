@@ -169,12 +169,22 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             .with_if(!output && track.schedule.held > STILL, Status::UNOBSERVABLE);
         let mut status = status;
         let mut sound = track.state.rotor.speed.abs() <= gains.most_speed;
-        if status.has(Status::UNMEASURED) {
-            status = status.without(Status::UNMEASURED);
+        if status.has_any(Status::UNMEASURED.with(Status::BOUNDED).with(Status::GLITCH)) {
             let Missing { motor, rejected, .. } = track.missing;
-            sound &= motor <= MOST_COASTED && rejected <= MOST_REJECTED;
+            let measured = !status.has(Status::UNMEASURED)
+                || motor <= MOST_COASTED && rejected <= MOST_REJECTED;
+            status = status.without(Status::UNMEASURED);
+            sound &= measured && self.is_sound(&track.state);
         }
         if sound { status } else { self.begun_anew(track, status) }
+    }
+
+    /// Whether what is behind the rotor moves as a joint may: asked where an angle is not measured, or the
+    /// load that would explain it all is at its bound.
+    #[inline(always)]
+    fn is_sound(&self, state: &State<S, N>) -> bool {
+        let most = self.gains.most_speed;
+        state.stages.iter().all(|stage| stage.mass.speed.abs() <= most)
     }
 
     /// A new start where no rotor angle was accepted for too long, or the state is none.
