@@ -180,12 +180,12 @@ impl Ledger {
         let Some(Coating { law, slot }) = &self.coating else { return 0.0 };
         let last = self.masses.len() - 1;
         let windup: f64 = (0..last).map(|k| state[self.layout.deflection(k)]).sum();
-        let turns = (state[Layout::ANGLE] - windup) * self.masses[last].shaft / TAU;
+        let turns = (state[Layout::ANGLE] - windup) / TAU;
         let speed = state[self.layout.speed(last)];
         let mut memory = [0.0; MEMORIES];
         // Alone in its set it has the first place there.
         memory[0] = state[self.layout.memory(*slot)];
-        let at = Motion { angle: Angle::from_turns(turns), turns, speed };
+        let at = Motion { angle: Angle::from_turns(turns), speed };
         -law.torque(last, at, &memory).value * speed
     }
 

@@ -44,7 +44,11 @@ fn every_effect_stands_in_the_table_of_effects() {
             None => format!("`{}`", parameter.key),
         };
         let places: Vec<_> = spec.locations.iter().map(place).collect();
-        let parameters: Vec<_> = spec.parameters.iter().map(parameter).collect();
+        let mut parameters: Vec<_> = spec.parameters.iter().map(parameter).collect();
+        if let Some(table) = &spec.table {
+            parameters.push(format!("`{}` (2 to {} knots)", table.forward, table.most));
+            parameters.push(format!("`{}` (as many, default the same)", table.backward));
+        }
         let row =
             format!("| `{}` | {} | {} |", spec.kind, places.join(", "), parameters.join(", "));
         assert!(MODEL.contains(&row), "docs/model-format.md lacks the row\n{row}");
@@ -70,6 +74,9 @@ fn every_effect_stands_with_its_equation_in_the_table_of_equations() {
         for parameter in spec.parameters {
             let key = format!("`{}`", parameter.key);
             assert!(row.contains(&key), "docs/model.md, {}: {key}", spec.kind);
+        }
+        for key in spec.table.iter().flat_map(|table| [table.forward, table.backward]) {
+            assert!(row.contains(&format!("`{key}`")), "docs/model.md, {}: {key}", spec.kind);
         }
     }
 }

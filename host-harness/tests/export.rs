@@ -405,13 +405,13 @@ fn compared(
 #[test]
 fn mujoco_runs_the_model_as_the_reference_does() {
     let Some(python) = joint_tests::python::with("mujoco", "mujoco_runs_the_model") else { return };
-    held(&compared(MODEL, "mjcf", "reference", python, "mujoco_run.py"));
+    within(&compared(MODEL, "mjcf", "reference", python, "mujoco_run.py"));
 }
 
 /// Errors are of first order in MuJoCo's step, which turns the fastest mode by 0.1 rad: half of it halves them.
 /// An element that is left out makes one that is larger in some signal: 0.37 % of a wind-up for the cubic
 /// stiffness, 5 % for the hysteresis, 0.4 % of a speed or more for the others.
-fn held(errors: &[(String, f64)]) {
+fn within(errors: &[(String, f64)]) {
     for name in ["stage1_windup_rad", "stage2_windup_rad", "current_a", "output_speed_rad_per_s"] {
         assert!(errors.iter().any(|(own, _)| own == name), "{name}: {errors:?}");
     }
@@ -436,7 +436,7 @@ fn mujoco_has_the_effects_that_the_file_does_not_leave_out() {
     let folder = tempfile::tempdir().unwrap();
     let told = export(folder.path(), &model, "--format mjcf --out m.xml");
     assert_eq!(told["lost"], serde_json::json!([]));
-    held(&compared(&model, "mjcf", "reference", python, "mujoco_run.py"));
+    within(&compared(&model, "mjcf", "reference", python, "mujoco_run.py"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use host_harness::model::{Model, Sensor};
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::{EffectParameters, Kind, MAX_TABLES};
 use joint_core::params::{Friction, Load, Location, Motor, Stage};
 use proptest::prelude::*;
 
@@ -207,6 +207,11 @@ fn effects() -> impl Strategy<Value = EffectParameters> {
                 Location::Stage(_) => Location::Stage(2),
                 place => *place,
             };
+            if kind.has_table() {
+                // Of what its knots are over just one is told.
+                let example = EffectParameters { location, ..EffectParameters::example(kind) };
+                return example.with("scale", shares[0]).with("start_rad", 1e3 * shares[1]);
+            }
             kind.spec().parameters.iter().zip(shares).fold(
                 EffectParameters::new(kind, location),
                 |effect, (spec, share)| {
@@ -215,6 +220,18 @@ fn effects() -> impl Strategy<Value = EffectParameters> {
             )
         },
     )
+}
+
+/// At most as many with a table as a joint takes.
+fn some_effects() -> impl Strategy<Value = Vec<EffectParameters>> {
+    prop::collection::vec(effects(), 0..4).prop_map(|mut all| {
+        let mut tables = 0;
+        all.retain(|effect| {
+            tables += usize::from(effect.kind.has_table());
+            !effect.kind.has_table() || tables <= MAX_TABLES
+        });
+        all
+    })
 }
 
 prop_compose! {
@@ -227,7 +244,7 @@ prop_compose! {
         stages in prop::collection::vec(stages(), 2),
         load in prop::array::uniform3(positive()),
         sensor in prop::array::uniform4(positive()),
-        effects in prop::collection::vec(effects(), 0..4),
+        effects in some_effects(),
     ) -> Model {
         let [resistance, inductance, torque, inertia] = motor;
         Model {
@@ -269,4 +286,46 @@ proptest! {
         text.replace_range(at..=at, with.encode_utf8(&mut [0; 4]));
         let _ = parse(&text);
     }
+}
+
+const MAP: &str = "
+[[effect]]
+kind = \"torque-map\"
+location = \"output\"
+span_rad = 2
+blend_rad_per_s = 0.1
+torque_nm = [0, 1e-3, -2e-3]
+backward_torque_nm = [1e-3, 0.5e-3, 0]
+";
+
+#[test]
+fn a_table_is_read_and_written_and_what_has_no_name_is_marked() {
+    let read = |text: &str| parse(&format!("{ARM}{text}"));
+    let model = read(MAP).unwrap();
+    let map = model.effects.last().unwrap();
+    assert_eq!(map.table.forward(), [0.0, 1e-3, -2e-3]);
+    assert_eq!(map.table.backward(), [1e-3, 0.5e-3, 0.0]);
+    let text = model.to_toml();
+    assert!(text.contains("\nunnamed = true\n"), "{text}");
+    assert_eq!(parse(&text).unwrap(), model);
+    for (from, to, wanted) in [
+        ("[0, 1e-3, -2e-3]", "[0, 1e-3]", "`torque_nm` has 2 knots, `backward_torque_nm` 3"),
+        ("[0, 1e-3, -2e-3]", "[0, \"a\", 1]", "`torque_nm` must be a list of numbers"),
+        ("[0, 1e-3, -2e-3]", "7", "`torque_nm` must be a list of numbers"),
+        ("torque_nm = [0, 1e-3, -2e-3]\nbackward_", "", "backward_torque_nm"),
+        ("span_rad = 2", "unnamed = false\nspan_rad = 2", "`unnamed` of torque-map is true"),
+        ("span_rad = 2", "period_rad = 2\nspan_rad = 2", "just one of the span"),
+        ("blend_rad_per_s = 0.1", "", "blend_rad_per_s = 0: must be more than zero"),
+        ("1e-3, -2e-3]", "inf, -2e-3]", "must be a finite number"),
+    ] {
+        let broken = MAP.replacen(from, to, 1);
+        assert_ne!(broken, MAP, "{from}");
+        match read(&broken) {
+            // One curve is that of both directions.
+            Ok(model) => assert!(wanted == "backward_torque_nm" && model.effects.len() == 2),
+            Err(error) => assert!(error.contains(wanted), "{wanted}: {error}"),
+        }
+    }
+    let named = ARM.replace("order = 6", "order = 6\nunnamed = true");
+    assert!(parse(&named).unwrap_err().contains("unknown key `unnamed` in effect cogging"));
 }

@@ -6,7 +6,7 @@
 //! to be stable is stepped by the implicit method. Effects count where they stiffen a joint or
 //! raise a friction level; play does neither.
 
-use crate::effect::{EffectParameters, Kind};
+use crate::effect::{EffectParameters, Kind, torque_map};
 use crate::friction::LEAST_BETA;
 use crate::gear::tangent;
 use crate::params::{Friction, Load, Location, Motor, Stage};
@@ -107,13 +107,15 @@ impl Pace {
                 row += after / libm::sqrt(own * inertia(mass + 1));
             }
             fastest = fastest.max(row);
+            let [_, maps] = added.maps(mass);
             let loss = (1.0 + most_slipping(friction) * added.level(mass))
                 * friction.sigma1_nm_s_per_rad
-                + friction.sigma2_nm_s_per_rad;
+                + friction.sigma2_nm_s_per_rad
+                + maps;
             pace.damping_per_s = pace.damping_per_s.max(loss * square / own);
             let falling = STEEPEST * friction.stribeck_nm * added.level(mass)
                 / friction.stribeck_velocity_rad_per_s;
-            let gained = (falling - friction.sigma2_nm_s_per_rad) * square / own;
+            let gained = (falling + maps - friction.sigma2_nm_s_per_rad) * square / own;
             pace.growth_per_s = pace.growth_per_s.max(gained);
         }
         pace.mode_rad_per_s = libm::sqrt(fastest);
@@ -222,12 +224,26 @@ struct Added<'a> {
 
 impl Added<'_> {
     /// Sum over the effects that sit at a mass; a spring's is the mass behind it.
+    fn here(&self, mass: usize) -> impl Iterator<Item = &EffectParameters> {
+        let here =
+            move |effect: &&EffectParameters| mass_at(effect.location, self.stages) == Some(mass);
+        self.effects.iter().filter(here)
+    }
+
     fn sum(&self, mass: usize, of: impl Fn(Kind, &dyn Fn(&str) -> f64) -> f64) -> f64 {
-        let here = |effect: &&EffectParameters| mass_at(effect.location, self.stages) == Some(mass);
         let each = |effect: &EffectParameters| {
             of(effect.kind, &|key| libm::fabs(effect.get(key).unwrap_or(0.0)))
         };
-        self.effects.iter().filter(here).map(each).sum()
+        self.here(mass).map(each).sum()
+    }
+
+    /// Steepest change of the torque of maps at a mass with its angle, Nm/rad, and speed, Nm s/rad.
+    fn maps(&self, mass: usize) -> [f64; 2] {
+        let maps = self.here(mass).filter(|effect| effect.kind == Kind::TorqueMap);
+        maps.fold([0.0; 2], |[angle, speed], map| {
+            let [by_angle, by_speed] = torque_map::slopes(&map.values, &map.table);
+            [angle + by_angle, speed + by_speed]
+        })
     }
 
     /// Stiffness against the ground, Nm/rad: the slope of torques that follow the mass's angle.
@@ -250,7 +266,8 @@ impl Added<'_> {
             }
             _ => 0.0,
         });
-        link + effects
+        let [maps, _] = self.maps(mass);
+        link + effects + maps
     }
 
     /// Stiffness beside the spring before a mass, Nm/rad.
@@ -279,11 +296,16 @@ impl Added<'_> {
 
     /// Largest factor on a mass's friction levels, apart from the load's.
     fn level(&self, mass: usize) -> f64 {
-        1.0 + self.sum(mass, |kind, value| match kind {
-            Kind::AsymmetricFriction => value("asymmetry"),
-            Kind::PositionDependentFriction => value("relative_amplitude"),
-            _ => 0.0,
-        })
+        let courses = self.here(mass).filter(|effect| effect.kind == Kind::FrictionCourse);
+        let course = |effect: &EffectParameters| {
+            libm::fabs(effect.get("scale").unwrap_or(0.0)) * effect.table.largest()
+        };
+        1.0 + courses.map(course).sum::<f64>()
+            + self.sum(mass, |kind, value| match kind {
+                Kind::AsymmetricFriction => value("asymmetry"),
+                Kind::PositionDependentFriction => value("relative_amplitude"),
+                _ => 0.0,
+            })
     }
 }
 

@@ -252,6 +252,20 @@ pub enum Reason {
         /// Most there may be.
         most: usize,
     },
+    /// There must be so many knots.
+    Knots {
+        /// Fewest there may be.
+        least: usize,
+        /// Most there may be.
+        most: usize,
+    },
+    /// There may be this many effects with a table.
+    TooManyTables {
+        /// Most there may be.
+        most: usize,
+    },
+    /// Just one of the keys that say over what the knots stand must be above zero.
+    NotOneOf,
     /// Must lie in this closed range.
     OutOfRange {
         /// Smallest admissible value.
@@ -277,6 +291,13 @@ impl fmt::Display for Reason {
                 f.write_str("needs a joint with an effect set: Joint<S, N, EffectSet<S>>")
             }
             Reason::TooMany { most } => write!(f, "at most {most} effects fit one joint"),
+            Reason::Knots { least, most } => write!(f, "knots: there must be {least} to {most}"),
+            Reason::TooManyTables { most } => {
+                write!(f, "at most {most} effects with a table fit one joint")
+            }
+            Reason::NotOneOf => f.write_str(
+                "just one of the span, the period and, of a torque map, the speed must be above zero",
+            ),
             Reason::OutOfRange { low, high } => write!(f, "must lie between {low} and {high}"),
         }
     }

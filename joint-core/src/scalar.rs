@@ -1,6 +1,7 @@
 //! The number that a whole joint is computed in.
 
 use crate::angle::Turns;
+use crate::effect::table::Lookup;
 use crate::friction::{Damped, LuGre};
 use crate::gear::Deflection;
 use crate::number::{Elementary, Limits, Sums};
@@ -8,8 +9,14 @@ use crate::work::Wide;
 
 /// A number in which every law of the joint can be computed: a [`Number`](crate::number::Number), and
 /// what each law asks of it beside.
-pub trait Scalar: Limits + Elementary + Sums + Turns + Deflection + LuGre + Damped + Wide {}
-impl<T: Limits + Elementary + Sums + Turns + Deflection + LuGre + Damped + Wide> Scalar for T {}
+pub trait Scalar:
+    Limits + Elementary + Sums + Turns + Deflection + LuGre + Damped + Lookup + Wide
+{
+}
+impl<T: Limits + Elementary + Sums + Turns + Deflection + LuGre + Damped + Lookup + Wide> Scalar
+    for T
+{
+}
 
 /// One number that can be compared, and whose whole turns are a count: for what is not the step, and
 /// may take its way by the data.

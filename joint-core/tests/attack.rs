@@ -3,7 +3,7 @@
 //!
 //! `cargo test --release -p joint-core --test attack -- --ignored --nocapture` tries ten million.
 
-use joint_core::effect::{EffectParameters, EffectSet, Kind};
+use joint_core::effect::{EffectParameters, EffectSet, Kind, MAX_TABLES};
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::params::{Friction, Load, Location, Motor, Stage};
@@ -101,14 +101,18 @@ fn drawn(random: &mut Random) -> Drawn {
             Location::Stage(_) => Location::Stage(random.below(count.max(1)) as u8 + 1),
             other => other,
         };
-        if !EffectParameters::admits(kind, location, count) {
+        let tables = effects.iter().filter(|own: &&EffectParameters| own.kind.has_table()).count();
+        let full = kind.has_table() && tables >= MAX_TABLES;
+        if full || !EffectParameters::admits(kind, location, count) {
             continue;
         }
-        let mut effect = EffectParameters::new(kind, location);
+        let mut effect = EffectParameters { location, ..example };
         for (value, (own, spec)) in
             effect.values.iter_mut().zip(example.values.iter().zip(kind.spec().parameters))
         {
-            *value = random.around(*own, 0.7).clamp(spec.low, spec.high);
+            // A course that takes more than all friction away is refused.
+            let most = if kind.has_table() { *own } else { spec.high };
+            *value = random.around(*own, 0.7).clamp(spec.low, most);
         }
         effects.push(effect);
     }

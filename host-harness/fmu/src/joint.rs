@@ -43,7 +43,16 @@ impl EffectDescription {
     pub fn of(effect: &EffectParameters) -> Self {
         let spec = effect.kind.spec();
         let values = spec.parameters.iter().zip(effect.values);
-        let parameters = values.map(|(own, value)| (own.key.to_owned(), value.into())).collect();
+        let mut parameters: Map<String, Value> =
+            values.map(|(own, value)| (own.key.to_owned(), value.into())).collect();
+        if let Some(own) = &spec.table {
+            let knots = [effect.table.forward(), effect.table.backward()];
+            for (key, knots) in [own.forward, own.backward].into_iter().zip(knots) {
+                if !knots.is_empty() {
+                    parameters.insert(key.to_owned(), knots.into());
+                }
+            }
+        }
         Self { kind: spec.kind.to_owned(), location: effect.location.to_string(), parameters }
     }
 
@@ -52,7 +61,22 @@ impl EffectDescription {
         let kind = Kind::from_name(&self.kind).ok_or_else(|| unknown(&self.kind))?;
         let location = self.location.parse().map_err(|()| unknown(&self.location))?;
         let mut effect = EffectParameters::new(kind, location);
-        for (key, value) in &self.parameters {
+        if let Some(own) = &kind.spec().table {
+            let knots = |key: &str| -> Result<Vec<f64>, JointError> {
+                let Some(value) = self.parameters.get(key) else { return Ok(Vec::new()) };
+                let numbers =
+                    value.as_array().and_then(|all| all.iter().map(Value::as_f64).collect());
+                numbers.ok_or_else(|| unknown(key))
+            };
+            effect = effect
+                .with_table(&knots(own.forward)?, &knots(own.backward)?)
+                .ok_or_else(|| unknown(own.forward))?;
+        }
+        let of_table = |key: &&String| {
+            let table = kind.spec().table;
+            table.is_some_and(|table| [table.forward, table.backward].contains(&key.as_str()))
+        };
+        for (key, value) in self.parameters.iter().filter(|(key, _)| !of_table(key)) {
             effect.get(key).ok_or_else(|| unknown(key))?;
             effect = effect.with(key, value.as_f64().ok_or_else(|| unknown(key))?);
         }
@@ -270,5 +294,20 @@ fn numbers(value: &Value, name: &str, place: &str, found: &mut Vec<Parameter>) {
             }
         }
         _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_comes_back_from_its_description_its_table_too() {
+        for kind in Kind::ALL {
+            let effect = EffectParameters::example(*kind);
+            let text = serde_json::to_string(&EffectDescription::of(&effect)).unwrap();
+            let read: EffectDescription = serde_json::from_str(&text).unwrap();
+            assert_eq!(read.effect(), Ok(effect), "{text}");
+        }
     }
 }

@@ -17,7 +17,7 @@ use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::evidence::{Unseen, Weighed, cannot_tell};
 use super::experiment::{Experiment, experiment};
-use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts};
+use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts, knots_of};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
@@ -390,7 +390,9 @@ fn named(
             Named {
                 kind: effect.kind.spec().kind.to_owned(),
                 location: effect.location.to_string(),
+                unnamed: effect.kind.is_unnamed(),
                 parameters,
+                knots: knots_of(effect),
                 standard_errors,
                 confidence,
                 share: share.value,

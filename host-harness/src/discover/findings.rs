@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use joint_core::effect::EffectParameters;
 use serde::Serialize;
 
 use super::evidence::{Budget, FreeRun};
@@ -57,8 +58,14 @@ pub struct Named {
     pub kind: String,
     /// Its place.
     pub location: String,
+    /// Whether it says what is there without saying why.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub unnamed: bool,
     /// Its parameters by key.
     pub parameters: BTreeMap<String, f64>,
+    /// The knots of its table by key; absent where it has none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub knots: BTreeMap<String, Vec<f64>>,
     /// One sigma of those that were fitted.
     pub standard_errors: BTreeMap<String, f64>,
     /// Probability that the name is right.
@@ -77,6 +84,15 @@ pub struct Named {
     pub stays_ahead: f64,
     /// The other names.
     pub rivals: Vec<Rival>,
+}
+
+/// The knots of an effect's table by key.
+pub(super) fn knots_of(effect: &EffectParameters) -> BTreeMap<String, Vec<f64>> {
+    let curves = effect.kind.spec().table.iter().flat_map(|table| {
+        [(table.forward, effect.table.forward()), (table.backward, effect.table.backward())]
+    });
+    let given = curves.filter(|(_, knots)| !knots.is_empty());
+    given.map(|(key, knots)| (key.to_owned(), knots.to_vec())).collect()
 }
 
 /// Where the refitted nominal model and the log disagree.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::bootstrap::stays_ahead;
 use super::confidence::SIGMAS;
 use super::evidence::{Budget, FreeRun, Share, Unseen, Weighed, unseen, weigh};
-use super::findings::{Answer, Named};
+use super::findings::{Answer, Named, knots_of};
 use super::gate::Remainder;
 use super::needless::bare;
 use super::search::{Contender, Search, Stage};
@@ -117,6 +117,8 @@ pub(super) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
         all.push(Named {
             kind: effect.kind.spec().kind.to_owned(),
             location: effect.location.to_string(),
+            unnamed: effect.kind.is_unnamed(),
+            knots: knots_of(effect),
             parameters: keys.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
             standard_errors: BTreeMap::new(),
             confidence: UNCONFIRMED * stays_ahead,

@@ -40,7 +40,7 @@ fn head(text: &mut String, model: &Model, options: &DriveOptions) -> fmt::Result
     let effects = if model.effects.is_empty() {
         ""
     } else {
-        "use joint_core::effect::{EffectParameters, EffectSet, Kind};\n"
+        "use joint_core::effect::{EffectParameters, EffectSet, Kind, Knots};\n"
     };
     let location = if effects.is_empty() { "" } else { "Location, " };
     write!(
@@ -97,10 +97,17 @@ fn observer(text: &mut String, model: &Model, options: &DriveOptions, design: &s
         )?;
         for effect in effects {
             let (kind, place, values) = (effect.kind, effect.location, effect.values);
+            let table = match (effect.table.forward(), effect.table.backward()) {
+                ([], _) => "Knots::NONE".to_owned(),
+                (forward, backward) => format!(
+                    "match Knots::new(&{forward:?}, &{backward:?}) {{ Some(knots) => knots, None => \
+                     Knots::NONE }}"
+                ),
+            };
             writeln!(
                 text,
                 "    EffectParameters {{ kind: Kind::{kind:?}, location: Location::{place:?}, \
-                 values: {values:?} }},"
+                 values: {values:?}, table: {table} }},"
             )?;
         }
         text.push_str("];\n");

@@ -9,6 +9,7 @@ use std::f64::consts::LOG2_E;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use joint_core::angle::Turns;
+use joint_core::effect::table::Lookup;
 use joint_core::friction::{Damped, Relaxation, Stribeck};
 use joint_core::gear::Deflection;
 use joint_core::number::{Elementary, Limits, Number, Sums, halved, halved_in_part};
@@ -162,6 +163,24 @@ impl Elementary for Lanes {
     #[inline(always)]
     fn sin_turns(self) -> Self {
         self.each(f64::sin_turns)
+    }
+}
+
+impl Lookup for Lanes {
+    #[inline(always)]
+    fn looked_up(self, knots: &[Self]) -> [Self; 2] {
+        let last = knots.len().saturating_sub(2);
+        let place = self.each(|part| part * (last + 1) as f64);
+        let at = place.0.map(|place| (place as usize).min(last));
+        let knot = |beyond: usize| {
+            Self(std::array::from_fn(|lane| {
+                knots.get(at[lane] + beyond).map_or(0.0, |knot| knot.0[lane])
+            }))
+        };
+        let before = knot(0);
+        let change = knot(1) - before;
+        let share = place - Self(at.map(|at| at as f64));
+        [before + change * share, change]
     }
 }
 

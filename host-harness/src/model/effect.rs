@@ -2,13 +2,16 @@
 
 use std::ops::Range;
 
-use joint_core::effect::{EffectParameters, Kind, Spec};
+use joint_core::effect::{EffectParameters, Kind, MAX_KNOTS, Spec};
 use joint_core::params::Location;
 use toml_edit::{Item, TableLike};
 
 use super::source::Source;
 use super::span::key;
 use crate::fault::InputError;
+
+/// Marks an effect that says what is there, not why; written of every such kind, and not asked for.
+pub(super) const UNNAMED: &str = "unnamed";
 
 impl Source<'_> {
     /// Reads one effect; `number` is its place in the file, from 1.
@@ -32,7 +35,9 @@ impl Source<'_> {
             ))
         })?;
         for (name, _) in table.iter() {
-            let known = spec.parameters.iter().any(|parameter| parameter.key == name);
+            let known = spec.parameters.iter().any(|parameter| parameter.key == name)
+                || spec.table.is_some_and(|table| [table.forward, table.backward].contains(&name))
+                || kind.is_unnamed() && name == UNNAMED;
             if !known && name != "kind" && name != "location" {
                 return Err(self
                     .fault(
@@ -59,7 +64,48 @@ impl Source<'_> {
                 }
             };
         }
+        if kind.is_unnamed()
+            && let Some(item) = table.get(UNNAMED)
+            && item.as_bool() != Some(true)
+        {
+            let what = format!("wrong value: `{UNNAMED}` of {} is true", spec.kind);
+            return Err(self.fault(what, item.span()));
+        }
+        if let Some(keys) = spec.table {
+            let [forward, backward] = [keys.forward, keys.backward];
+            if table.get(forward).is_none() {
+                let what = format!("key `{forward}` is missing in effect {}", spec.kind);
+                return Err(self.fault(what, span).help(format!(
+                    "it is a list of numbers, the knots; `{backward}` has those of the negative direction"
+                )));
+            }
+            let [forward, backward] = [self.knots(table, forward)?, self.knots(table, backward)?];
+            effect = effect.with_table(&forward, &backward).ok_or_else(|| {
+                let count = forward.len();
+                let what = match backward.len() {
+                    0 => format!("`{}` has {count} knots", keys.forward),
+                    other => {
+                        format!("`{}` has {count} knots, `{}` {other}", keys.forward, keys.backward)
+                    }
+                };
+                self.fault(what, table.get(keys.forward).and_then(Item::span)).help(format!(
+                    "both directions have the same number, and a table {MAX_KNOTS} at most"
+                ))
+            })?;
+        }
         Ok(effect)
+    }
+
+    /// The numbers of a list; none where it is left out.
+    fn knots(&self, table: &dyn TableLike, name: &str) -> Result<Vec<f64>, InputError> {
+        let Some(item) = table.get(name) else { return Ok(Vec::new()) };
+        let number = |value: &toml_edit::Value| {
+            value.as_float().or_else(|| value.as_integer().map(|value| value as f64))
+        };
+        let knots = item.as_array().and_then(|array| array.iter().map(number).collect());
+        knots.ok_or_else(|| {
+            self.fault(format!("wrong type: `{name}` must be a list of numbers"), item.span())
+        })
     }
 
     fn kind(
@@ -104,7 +150,9 @@ pub(super) fn places(spec: &Spec) -> String {
 }
 
 fn keys(spec: &Spec) -> String {
-    spec.parameters.iter().map(|parameter| parameter.key).collect::<Vec<_>>().join(", ")
+    let table = spec.table.iter().flat_map(|table| [table.forward, table.backward]);
+    let parameters = spec.parameters.iter().map(|parameter| parameter.key);
+    parameters.chain(table).collect::<Vec<_>>().join(", ")
 }
 
 fn number_of(item: &Item) -> Option<f64> {

@@ -3,9 +3,10 @@
 
 use serde::Serialize;
 use toml_edit::ser::ValueSerializer;
-use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value};
 
 use super::Model;
+use super::effect::UNNAMED;
 
 impl Model {
     /// As the text of a model file.
@@ -23,6 +24,18 @@ impl Model {
             table.insert("location", toml_edit::value(effect.location.to_string()));
             for (spec, value) in effect.kind.spec().parameters.iter().zip(effect.values) {
                 table.insert(spec.key, Item::Value(float(value)));
+            }
+            if let Some(spec) = &effect.kind.spec().table {
+                let knots = [effect.table.forward(), effect.table.backward()];
+                for (key, knots) in [spec.forward, spec.backward].into_iter().zip(knots) {
+                    if !knots.is_empty() {
+                        let knots: Array = knots.iter().map(|knot| float(*knot)).collect();
+                        table.insert(key, toml_edit::value(knots));
+                    }
+                }
+            }
+            if effect.kind.is_unnamed() {
+                table.insert(UNNAMED, toml_edit::value(true));
             }
             table
         });

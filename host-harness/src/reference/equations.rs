@@ -219,13 +219,14 @@ impl Equations {
         let mut angle = head[1];
         for (k, mass) in self.masses.iter().enumerate() {
             let speed = speeds[k];
-            let own = Angle::from_turns(angle * mass.shaft / TAU);
-            let mut at = Rubbing { speed, transmitted, passed_on: 0.0, angle: own };
+            let motor = Angle::from_turns(angle / TAU);
+            let mut at = Rubbing { speed, transmitted, passed_on: 0.0, angle: motor };
             let mut force = driving;
             if let Some(spring) = self.springs.get(k) {
                 deflection_rate[k] = speed - speeds[k + 1];
                 let (felt, beside) = match &self.effects {
                     Some(effects) => {
+                        let own = Angle::from_turns(angle * mass.shaft / TAU);
                         let felt = effects.stage(k, deflections[k], own);
                         (felt, effects.stage_torque(k, felt.deflection, &memory).value)
                     }
@@ -255,7 +256,7 @@ impl Equations {
             bristle_rate[k] = slip;
             force -= friction;
             if let Some(effects) = &self.effects {
-                let at = Motion { angle: own, turns: angle * mass.shaft / TAU, speed };
+                let at = Motion { angle: motor, speed };
                 force += effects.torque(k, at, &memory).value - effects.drag(k, speed) * speed;
                 angle -= deflections.get(k).copied().unwrap_or(0.0);
             }

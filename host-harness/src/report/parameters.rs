@@ -115,6 +115,16 @@ fn values(page: &mut String, own: &Named) {
         );
     }
     page.push_str("</table></div>\n");
+    for (key, knots) in &own.knots {
+        let (name, unit) = unit_of(key);
+        let knots: Vec<String> = knots.iter().map(|knot| si(*knot, unit, 3)).collect();
+        let _ = writeln!(
+            page,
+            "<p class=note>{} at even knots: {}.</p>",
+            escape(&capital(&name.replace('_', " "))),
+            escape(&knots.join(", "))
+        );
+    }
 }
 
 /// Effects that are only possible.

@@ -35,6 +35,8 @@ pub(super) fn findings(samples: usize) -> Findings {
         effects: vec![Named {
             kind: "cogging".into(),
             location: "motor".into(),
+            unnamed: false,
+            knots: BTreeMap::new(),
             parameters: BTreeMap::from([("order".into(), 42.0), ("amplitude_nm".into(), 0.01)]),
             standard_errors: BTreeMap::from([("amplitude_nm".into(), 1e-4)]),
             confidence: 0.97,

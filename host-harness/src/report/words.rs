@@ -37,7 +37,11 @@ pub(super) fn quantity(coordinate: &str) -> (String, &'static str) {
 
 /// A kind in words.
 pub(super) fn kind(name: &str) -> String {
-    name.replace('-', " ").replace(" dependent", "-dependent")
+    let words = name.replace('-', " ").replace(" dependent", "-dependent");
+    match Kind::from_name(name).is_some_and(Kind::is_unnamed) {
+        true => format!("unnamed {words}"),
+        false => words,
+    }
 }
 
 /// A place in words, behind a kind.
@@ -133,6 +137,7 @@ mod tests {
         assert_eq!(quantity("t_s"), ("time".to_owned(), "s"));
         assert_eq!(quantity("motor_angle_rad (one turn)").1, "rad");
         assert_eq!(kind("load-dependent-friction"), "load-dependent friction");
+        assert_eq!(effect("torque-map", "output"), "unnamed torque map at the output");
         assert_eq!(effect("transmission-error", "stage2"), "transmission error in gear stage 2");
         assert_eq!(
             parameter("stage1.friction.sigma2_nm_s_per_rad"),

@@ -21,6 +21,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "viscous_asymmetry", default: Some(0.0), low: -0.95, high: 0.95 },
     ],
     example: (Location::Motor, &[("asymmetry", 0.25), ("viscous_asymmetry", 0.3)]),
+    table: None,
     remembers: false,
 };
 

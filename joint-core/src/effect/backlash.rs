@@ -18,6 +18,7 @@ pub const SPEC: Spec = Spec {
     // Total width of the dead zone at the stage's output, rad.
     parameters: &[ParameterSpec { key: "width_rad", default: None, low: 0.0, high: 1.0 }],
     example: (Location::Stage(2), &[("width_rad", 2e-4)]),
+    table: None,
     remembers: false,
 };
 

@@ -7,6 +7,7 @@
 
 use super::hooks::{Effects, Flow, Memory, Motion, Relaxation, Relaxations, Torque, keep};
 use super::{ParameterSpec, Place, Spec};
+use crate::angle::Ratio;
 use crate::batch::batch;
 use crate::params::Location;
 use crate::scalar::Scalar;
@@ -35,6 +36,7 @@ pub const SPEC: Spec = Spec {
             ("cubic_stiffness_nm_per_rad3", 0.1),
         ],
     ),
+    table: None,
     remembers: true,
 };
 
@@ -45,6 +47,7 @@ pub const SPEC: Spec = Spec {
 pub struct Coating<S: Scalar> {
     mass: u8,
     slot: u8,
+    shaft: Ratio<S>,
     linear: S::Gain,
     cubic: S::Gain,
     loop_height: S,
@@ -54,23 +57,30 @@ pub struct Coating<S: Scalar> {
     per_width: S::Gain,
 }
 
-batch!(Coating<Scalar>: linear, cubic, loop_height, slope, cubic_slope, loop_slope, per_width; mass, slot);
+batch!(Coating<Scalar>: shaft, linear, cubic, loop_height, slope, cubic_slope, loop_slope, per_width; mass, slot);
 
 impl<S: Scalar> Coating<S> {
     /// The law of an effect at its place.
     pub(super) fn at(place: &Place<'_>) -> Option<Self> {
-        Some(Self::new(place.mass, place.slot, place.values, place.own()))
+        Some(Self::new(place.mass, place.slot, place.values, place.shaft, place.own()))
     }
 
-    /// From the values of [`SPEC`], with the units of torque (Nm) and angle (rad) at the output,
-    /// and how far a unit of speed moves in half a micro-step, rad there.
-    pub fn new(mass: u8, slot: u8, values: &[f64], [torque, angle, moved]: [f64; 3]) -> Self {
+    /// From the values of [`SPEC`], with the output's ratio to the motor, the units of torque (Nm) and
+    /// angle (rad) there, and how far a unit of speed moves in half a micro-step, rad there.
+    pub fn new(
+        mass: u8,
+        slot: u8,
+        values: &[f64],
+        shaft: f64,
+        [torque, angle, moved]: [f64; 3],
+    ) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         let turn = core::f64::consts::TAU;
         let (linear, cubic) = (value(0) / torque, value(3) / torque);
         Self {
             mass,
             slot,
+            shaft: Ratio::new(shaft),
             linear: S::gain(linear * turn),
             cubic: S::gain(cubic * turn * turn * turn),
             loop_height: S::from_f64(value(1) / libm::fabs(torque)),
@@ -97,10 +107,10 @@ impl<S: Scalar> Effects<S> for Coating<S> {
             Some(bent) if mass == usize::from(self.mass) => *bent,
             _ => return Torque::NONE,
         };
-        let square = at.turns * at.turns;
-        let value = at.turns.times(self.linear)
-            + (at.turns * square).times(self.cubic)
-            + self.loop_height * bent;
+        let turns = self.shaft.wide(at.angle);
+        let square = turns * turns;
+        let value =
+            turns.times(self.linear) + (turns * square).times(self.cubic) + self.loop_height * bent;
         let slope = S::ONE.times(self.slope)
             + square.times(self.cubic_slope)
             + (self.loop_height * (S::ONE - bent.abs())).times(self.loop_slope);
@@ -124,12 +134,12 @@ mod tests {
     #[test]
     fn the_torque_is_the_equation_at_any_number_of_turns() {
         let (k, h, w, k3) = (0.2, 0.1, 0.02, 0.01);
-        let law = Coating::<f64>::new(1, 0, &[k, h, w, k3], [1.0; 3]);
+        let law = Coating::<f64>::new(1, 0, &[k, h, w, k3], 1.0, [1.0; 3]);
         let mut memory = [0.0; MEMORIES];
         memory[0] = -0.7;
         for q in [-9.0, -0.4, 0.0, 2.0] {
             let turns = q / core::f64::consts::TAU;
-            let at = Motion { angle: Angle::from_turns(turns), turns, speed: 0.0 };
+            let at = Motion { angle: Angle::from_turns(turns), speed: 0.0 };
             let torque = law.torque(1, at, &memory);
             assert!((torque.value + k * q + k3 * q * q * q - 0.7 * h).abs() < 1e-9);
             let slope = k + 3.0 * k3 * q * q + 0.3 * h / w;

@@ -29,6 +29,7 @@ pub const SPEC: Spec = Spec {
         Location::Motor,
         &[("order", 6.0), ("amplitude_nm", 8e-6), ("second_amplitude_nm", 2e-6)],
     ),
+    table: None,
     remembers: false,
 };
 
@@ -46,11 +47,11 @@ pub(super) struct Line<S: Scalar> {
 batch!(Line<Scalar>: order, sine, cosine, slope);
 
 impl<S: Scalar> Line<S> {
-    /// `−amplitude · sin(order · q + phase)`; `angle` is the unit of the deflections in rad at
-    /// this mass, in which the slope is given.
-    pub(super) fn new(order: f64, amplitude: f64, phase: f64, angle: f64) -> Self {
+    /// `−amplitude · sin(order · q + phase)` with q of a mass behind the ratio `shaft`; `angle` is the
+    /// unit of the deflections in rad at this mass, in which the slope is given.
+    pub(super) fn new(order: f64, amplitude: f64, phase: f64, [shaft, angle]: [f64; 2]) -> Self {
         Self {
-            order: Ratio::new(order),
+            order: Ratio::new(order * shaft),
             sine: S::from_f64(-amplitude * libm::cos(phase)),
             cosine: S::from_f64(-amplitude * libm::sin(phase)),
             slope: S::gain(order * angle),
@@ -89,8 +90,8 @@ impl<S: Scalar> Cogging<S> {
     pub fn new(values: &[f64], torque: f64, angle: f64) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         Self {
-            first: Line::new(value(0), value(1) / torque, value(2), angle),
-            second: Line::new(2.0 * value(0), value(3) / torque, value(4), angle),
+            first: Line::new(value(0), value(1) / torque, value(2), [1.0, angle]),
+            second: Line::new(2.0 * value(0), value(3) / torque, value(4), [1.0, angle]),
         }
     }
 }
@@ -120,7 +121,7 @@ mod tests {
         let law = Cogging::<f64>::new(&[n, a, phase, b, second], 1.0, 1.0);
         let torque = |q: f64| {
             let turns = q / core::f64::consts::TAU;
-            let at = Motion { angle: Angle::from_turns(turns), turns, speed: 0.0 };
+            let at = Motion { angle: Angle::from_turns(turns), speed: 0.0 };
             law.torque(0, at, &[0.0; MEMORIES])
         };
         for k in -20..20 {

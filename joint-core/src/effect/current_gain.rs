@@ -18,6 +18,7 @@ pub const SPEC: Spec = Spec {
     // g.
     parameters: &[ParameterSpec { key: "relative_gain", default: None, low: -0.9, high: 9.0 }],
     example: (Location::CurrentSensor, &[("relative_gain", 0.1)]),
+    table: None,
     remembers: false,
 };
 

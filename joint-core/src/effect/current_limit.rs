@@ -25,6 +25,7 @@ pub const SPEC: Spec = Spec {
     // I: the current that is approached however high the voltage.
     parameters: &[ParameterSpec { key: "limit_a", default: None, low: 1e-9, high: 1e9 }],
     example: (Location::Inverter, &[("limit_a", 0.04)]),
+    table: None,
     remembers: false,
 };
 

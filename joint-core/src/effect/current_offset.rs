@@ -15,6 +15,7 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::CurrentSensor],
     parameters: &[ParameterSpec { key: "offset_a", default: None, low: -1e6, high: 1e6 }],
     example: (Location::CurrentSensor, &[("offset_a", 0.01)]),
+    table: None,
     remembers: false,
 };
 

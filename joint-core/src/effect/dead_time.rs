@@ -23,6 +23,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "softening_a", default: Some(0.0), low: 0.0, high: 1e4 },
     ],
     example: (Location::Inverter, &[("voltage_v", 0.15), ("softening_a", 3e-3)]),
+    table: None,
     remembers: false,
 };
 

@@ -31,6 +31,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "driven", default: None, low: 0.0, high: 10.0 },
     ],
     example: (Location::Stage(2), &[("driving", 0.1), ("driven", 0.25)]),
+    table: None,
     remembers: false,
 };
 

@@ -21,6 +21,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "order", default: Some(1.0), low: 0.01, high: 1e5 },
     ],
     example: (Location::Encoder, &[("amplitude_rad", 0.02)]),
+    table: None,
     remembers: false,
 };
 

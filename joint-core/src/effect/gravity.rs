@@ -19,6 +19,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "phase_rad", default: Some(0.0), low: -1e3, high: 1e3 },
     ],
     example: (Location::Output, &[("amplitude_nm", 5e-3), ("phase_rad", 0.4)]),
+    table: None,
     remembers: false,
 };
 
@@ -36,13 +37,14 @@ batch!(Gravity<Scalar>: line; mass);
 impl<S: Scalar> Gravity<S> {
     /// The law of an effect at its place.
     pub(super) fn at(place: &Place<'_>) -> Option<Self> {
-        Some(Self::new(place.mass, place.values, place.torque, place.angle))
+        Some(Self::new(place.mass, place.values, place.torque, [place.shaft, place.angle]))
     }
 
-    /// From the values of [`SPEC`], with the units of torque (Nm) and deflection (rad) at the mass.
-    pub fn new(mass: u8, values: &[f64], torque: f64, angle: f64) -> Self {
+    /// From the values of [`SPEC`], with the unit of torque (Nm) at the mass, its ratio to the motor and the unit of
+    /// deflection (rad) there.
+    pub fn new(mass: u8, values: &[f64], torque: f64, at: [f64; 2]) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
-        Self { mass, line: Line::new(1.0, value(0) / torque, value(1), angle) }
+        Self { mass, line: Line::new(1.0, value(0) / torque, value(1), at) }
     }
 }
 
@@ -65,10 +67,10 @@ mod tests {
 
     #[test]
     fn a_pendulum_is_pulled_back_to_where_it_hangs() {
-        let law = Gravity::<f64>::new(0, &[2.0, 0.5], 1.0, 1.0);
+        let law = Gravity::<f64>::new(0, &[2.0, 0.5], 1.0, [1.0; 2]);
         let torque = |q: f64| {
             let turns = q / core::f64::consts::TAU;
-            let at = Motion { angle: Angle::from_turns(turns), turns, speed: 0.0 };
+            let at = Motion { angle: Angle::from_turns(turns), speed: 0.0 };
             law.torque(0, at, &[0.0; MEMORIES]).value
         };
         assert!(torque(-0.5).abs() < 1e-9);

@@ -20,6 +20,7 @@ pub const SPEC: Spec = Spec {
         high: 1e18,
     }],
     example: (Location::Stage(2), &[("cubic_stiffness_nm_per_rad3", 1.5e5)]),
+    table: None,
     remembers: false,
 };
 

@@ -5,18 +5,17 @@
 //! from 0 at the rotor, stages from 0 at the motor; all quantities are per-unit and reflected to
 //! the motor shaft unless said otherwise.
 
+use super::table::Tables;
 use crate::angle::Angle;
 use crate::scalar::Scalar;
 
 pub use crate::state::{MEMORIES, Memory};
 
-/// The motion of one mass. The angle is the mass's own.
+/// The motion of one mass.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<S: Scalar> {
-    /// Angle of this mass modulo its own turns.
+    /// Angle of this mass as it is at the motor, with all its turns.
     pub angle: Angle<S>,
-    /// The same angle with all its turns, for laws that do not repeat.
-    pub turns: S,
     /// Speed of this mass.
     pub speed: S,
 }
@@ -74,7 +73,8 @@ pub struct Rubbing<S: Scalar> {
     pub transmitted: S,
     /// Torque of the stage behind the mass, spring and damper; zero for the last mass.
     pub passed_on: S,
-    /// Angle of the mass modulo its own turns; zero unless [`Effects::has_angled_levels`].
+    /// Angle of the mass as it is at the motor, with all its turns; that of another mass unless
+    /// [`Effects::has_angled_levels`].
     pub angle: Angle<S>,
 }
 
@@ -310,6 +310,18 @@ pub trait Effects<S: Scalar> {
         Torque::NONE
     }
 
+    /// The same of a law with a table, from those of the joint.
+    #[inline(always)]
+    fn torque_from(
+        &self,
+        _tables: &Tables<S>,
+        mass: usize,
+        at: Motion<S>,
+        memory: &Memory<S>,
+    ) -> Torque<S> {
+        self.torque(mass, at, memory)
+    }
+
     /// What a stage's spring feels of its deflection; `input` is the angle of the mass before it,
     /// modulo that mass's own turns.
     #[inline(always)]
@@ -327,6 +339,12 @@ pub trait Effects<S: Scalar> {
     #[inline(always)]
     fn inverse_level(&self, _mass: usize, _at: Rubbing<S>) -> S {
         S::ONE
+    }
+
+    /// The same of a law with a table, from those of the joint.
+    #[inline(always)]
+    fn inverse_level_from(&self, _tables: &Tables<S>, mass: usize, at: Rubbing<S>) -> S {
+        self.inverse_level(mass, at)
     }
 
     /// Factor on a mass's viscous coefficient.

@@ -20,6 +20,7 @@ pub const SPEC: Spec = Spec {
     // d; one that acts ahead of its stamp is no delay, but a fit may pass there.
     parameters: &[ParameterSpec { key: "delay_s", default: None, low: -1.0, high: 1.0 }],
     example: (Location::Inverter, &[("delay_s", 1e-4)]),
+    table: None,
     remembers: true,
 };
 

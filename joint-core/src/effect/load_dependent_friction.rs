@@ -18,6 +18,7 @@ pub const SPEC: Spec = Spec {
     // μ: friction torque per transmitted torque.
     parameters: &[ParameterSpec { key: "coefficient", default: None, low: 0.0, high: 10.0 }],
     example: (Location::Stage(2), &[("coefficient", 0.15)]),
+    table: None,
     remembers: false,
 };
 

@@ -28,6 +28,7 @@ pub const SPEC: Spec = Spec {
         Location::Motor,
         &[("relative_fall", 0.6), ("time_constant_s", 0.05), ("reference_speed_rad_per_s", 1500.0)],
     ),
+    table: None,
     remembers: true,
 };
 

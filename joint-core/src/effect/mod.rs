@@ -10,6 +10,7 @@
 
 mod hooks;
 mod place;
+pub mod table;
 pub mod worm;
 
 pub use hooks::{
@@ -17,6 +18,7 @@ pub use hooks::{
     Rubbing, Torque, Winding,
 };
 pub use set::{EffectSet, MAX_EFFECTS};
+pub use table::{Knots, MAX_KNOTS, MAX_TABLES, TableSpec};
 
 use crate::batch::{Batch, Numbers};
 use crate::params::{Check, Location, ParameterError, Reason, Table};
@@ -53,6 +55,8 @@ pub struct Spec {
     /// place, and the parameters that differ from their defaults. Every effect is checked and priced
     /// at it.
     pub example: (Location, &'static [(&'static str, f64)]),
+    /// What its table is like; `None` where it has none.
+    pub table: Option<TableSpec>,
     /// Whether the law has a [`Memory`].
     pub remembers: bool,
 }
@@ -84,6 +88,7 @@ macro_rules! for_every_effect {
             dead_time::DeadTime,
             drive_efficiency::DriveEfficiency,
             encoder_eccentricity::EncoderEccentricity,
+            friction_course::FrictionCourse,
             gravity::Gravity,
             hardening_stiffness::HardeningStiffness,
             input_delay::InputDelay,
@@ -95,6 +100,7 @@ macro_rules! for_every_effect {
             sensor_lag::SensorLag,
             structural_hysteresis::StructuralHysteresis,
             supply_sag::SupplySag,
+            torque_map::TorqueMap,
             torque_ripple::TorqueRipple,
             torque_saturation::TorqueSaturation,
             transmission_error::TransmissionError,
@@ -139,10 +145,14 @@ macro_rules! effects {
         }
 
         impl<S: Scalar> Effect<S> {
-            /// The law in the units of `bases`, with its memory in `slot` if it has one; `None` where
-            /// the place does not exist.
-            pub fn new(effect: &EffectParameters, bases: &Bases<'_>, slot: u8) -> Option<Self> {
-                let place = Place::of(effect, bases, slot)?;
+            /// The law in the units of `bases`, with its memory in the first slot and its table in the
+            /// second, if it has one; `None` where the place does not exist.
+            pub fn new(
+                effect: &EffectParameters,
+                bases: &Bases<'_>,
+                slots: [u8; 2],
+            ) -> Option<Self> {
+                let place = Place::of(effect, bases, slots)?;
                 match effect.kind {
                     $(Kind::$name => $module::$name::at(&place).map(Self::$name),)+
                 }
@@ -175,10 +185,28 @@ for_every_effect!(effects);
 
 mod set;
 
+#[cfg(any(test, feature = "serde"))]
+impl<S: Scalar> Effect<S> {
+    /// Whether the law looks into a table.
+    pub(crate) fn has_table(&self) -> bool {
+        matches!(self, Self::FrictionCourse(_) | Self::TorqueMap(_))
+    }
+}
+
 impl Kind {
     /// Whether the law has a [`Memory`].
     pub const fn remembers(self) -> bool {
         self.spec().remembers
+    }
+
+    /// Whether the law has a table.
+    pub const fn has_table(self) -> bool {
+        self.spec().table.is_some()
+    }
+
+    /// Whether the law says what is there without saying why: nothing is known by it.
+    pub const fn is_unnamed(self) -> bool {
+        matches!(self, Kind::TorqueMap)
     }
 
     /// Whether the law concerns what a sensor shows, not what the joint does.
@@ -201,6 +229,8 @@ pub struct EffectParameters {
     pub location: Location,
     /// Its values in the order of its [`Spec`]; those past the last parameter are zero.
     pub values: [f64; MAX_VALUES],
+    /// The knots of its table; none where its kind has none.
+    pub table: Knots,
 }
 
 impl EffectParameters {
@@ -210,15 +240,24 @@ impl EffectParameters {
         for (value, spec) in values.iter_mut().zip(kind.spec().parameters) {
             *value = spec.default.unwrap_or(0.0);
         }
-        Self { kind, location, values }
+        Self { kind, location, values, table: Knots::NONE }
     }
 
     /// An effect of this kind as its spec's example says: of a size that matters on a micromotor.
     pub fn example(kind: Kind) -> Self {
         let (location, values) = kind.spec().example;
-        values
-            .iter()
-            .fold(Self::new(kind, location), |effect, (key, value)| effect.with(key, *value))
+        let mut example = Self::new(kind, location);
+        if let Some(TableSpec { example: [forward, backward], .. }) = &kind.spec().table {
+            example.table = Knots::new(forward, backward).unwrap_or_default();
+        }
+        values.iter().fold(example, |effect, (key, value)| effect.with(key, *value))
+    }
+
+    /// The same effect with these knots, those of the negative direction empty where they are the same;
+    /// `None` where both directions have another number of them, or a table has no room for so many.
+    pub fn with_table(mut self, forward: &[f64], backward: &[f64]) -> Option<Self> {
+        self.table = Knots::new(forward, backward)?;
+        Some(self)
     }
 
     /// The same effect with the parameter of this key changed; an unknown key changes nothing.
@@ -259,7 +298,23 @@ impl EffectParameters {
                 return Err(check.fail(spec.key, *value, reason));
             }
         }
-        Ok(())
+        if let Some(spec) = &self.kind.spec().table {
+            self.table.validate(spec, &check)?;
+        }
+        match self.kind {
+            Kind::FrictionCourse => friction_course::validate(&self.values, &self.table, &check),
+            Kind::TorqueMap => torque_map::validate(&self.values, &self.table, &check),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether its table ends where it begins.
+    pub(crate) fn is_periodic(&self) -> bool {
+        match self.kind {
+            Kind::FrictionCourse => friction_course::is_periodic(&self.values),
+            Kind::TorqueMap => torque_map::is_periodic(&self.values),
+            _ => false,
+        }
     }
 }
 
@@ -286,6 +341,12 @@ pub fn validate(effects: &[EffectParameters], stages: usize) -> Result<(), Param
             Reason::TooMany { most: MAX_EFFECTS - 1 },
         ));
     }
+    if let Some((k, _)) =
+        effects.iter().enumerate().filter(|(_, effect)| effect.kind.has_table()).nth(MAX_TABLES)
+    {
+        let reason = Reason::TooManyTables { most: MAX_TABLES };
+        return Err(Check(Table::Effect(k + 1)).fail("kind", effects.len() as f64, reason));
+    }
     Ok(())
 }
 
@@ -301,10 +362,11 @@ mod tests {
         let bases = Bases::si(&motor, &stages);
         for kind in Kind::ALL {
             let (name, spec) = (kind.spec().kind, kind.spec());
-            let law = Effect::<f64>::new(&EffectParameters::example(*kind), &bases, 0);
+            let law = Effect::<f64>::new(&EffectParameters::example(*kind), &bases, [0; 2]);
             let Some(law) = law else { panic!("{name}: there is no place for its example") };
             let remembers = law!(&law, law => Effects::<f64>::has_memory(law));
             assert_eq!(remembers, spec.remembers, "{name}: `remembers` of its spec");
+            assert_eq!(law.has_table(), kind.has_table(), "{name}: `has_table` of its law");
             let of_a_sensor = |place: &Location| {
                 use Location::{CurrentSensor, Encoder, OutputEncoder};
                 matches!(place, CurrentSensor | Encoder | OutputEncoder)

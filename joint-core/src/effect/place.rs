@@ -1,6 +1,6 @@
 //! What a law is built from: an effect's values, its place in the chain, and the joint's units there.
 
-use super::EffectParameters;
+use super::{EffectParameters, Knots};
 use crate::params::Location;
 use crate::per_unit::Bases;
 
@@ -10,12 +10,16 @@ use crate::per_unit::Bases;
 pub(super) struct Place<'a> {
     /// Its values, in the order of its spec.
     pub values: &'a [f64],
+    /// The knots of its table.
+    pub knots: &'a Knots,
     /// Where that is.
     pub location: Location,
     /// Its mass, 0 at the rotor.
     pub mass: u8,
     /// Where its memory is, if it has one.
     pub slot: u8,
+    /// Which table is its own, if it has one.
+    pub table: u8,
     /// Whether it sits at the encoder behind the last stage.
     pub behind: bool,
     /// Product of the ratios from the motor to its mass.
@@ -39,16 +43,22 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// Of an effect in a joint of these units, with its memory in `slot`; `None` where the joint has no
-    /// such place.
-    pub(super) fn of(effect: &'a EffectParameters, bases: &Bases<'_>, slot: u8) -> Option<Self> {
+    /// Of an effect in a joint of these units, with its memory in the first slot and its table in the
+    /// second; `None` where the joint has no such place.
+    pub(super) fn of(
+        effect: &'a EffectParameters,
+        bases: &Bases<'_>,
+        [slot, table]: [u8; 2],
+    ) -> Option<Self> {
         let mass = bases.mass(effect.location)?;
         let shaft = bases.shaft(mass);
         Some(Self {
             values: &effect.values,
+            knots: &effect.table,
             location: effect.location,
             mass: u8::try_from(mass).ok()?,
             slot,
+            table,
             behind: matches!(effect.location, Location::OutputEncoder),
             shaft,
             torque: bases.torque_at(mass),

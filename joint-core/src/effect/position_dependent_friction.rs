@@ -22,6 +22,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "order", default: None, low: 0.01, high: 1e5 },
     ],
     example: (Location::Stage(2), &[("relative_amplitude", 0.5), ("order", 24.0)]),
+    table: None,
     remembers: false,
 };
 
@@ -41,15 +42,15 @@ batch!(PositionDependentFriction<Scalar>: order, sine, cosine; mass);
 impl<S: Scalar> PositionDependentFriction<S> {
     /// The law of an effect at its place.
     pub(super) fn at(place: &Place<'_>) -> Option<Self> {
-        Some(Self::new(place.mass, place.values))
+        Some(Self::new(place.mass, place.values, place.shaft))
     }
 
-    /// From the values of [`SPEC`].
-    pub fn new(mass: u8, values: &[f64]) -> Self {
+    /// From the values of [`SPEC`] and the mass's ratio to the motor.
+    pub fn new(mass: u8, values: &[f64], shaft: f64) -> Self {
         let value = |k: usize| values.get(k).copied().unwrap_or(0.0);
         Self {
             mass,
-            order: Ratio::new(value(2)),
+            order: Ratio::new(value(2) * shaft),
             sine: S::from_f64(value(0) * libm::cos(value(1))),
             cosine: S::from_f64(value(0) * libm::sin(value(1))),
         }
@@ -87,7 +88,7 @@ mod tests {
 
     #[test]
     fn the_level_follows_the_equation() {
-        let law = PositionDependentFriction::<f64>::new(1, &[0.6, 0.5, 2.0]);
+        let law = PositionDependentFriction::<f64>::new(1, &[0.6, 0.5, 2.0], 1.0);
         for k in -10..10 {
             let q = 0.27 * f64::from(k);
             let angle = Angle::from_turns(q / core::f64::consts::TAU);

@@ -14,6 +14,7 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::Motor],
     parameters: &[ParameterSpec { key: "coefficient_nm_s2", default: None, low: 0.0, high: 1e9 }],
     example: (Location::Motor, &[("coefficient_nm_s2", 2e-12)]),
+    table: None,
     remembers: false,
 };
 

@@ -18,6 +18,7 @@ pub const SPEC: Spec = Spec {
     locations: &[Location::Encoder, Location::OutputEncoder],
     parameters: &[ParameterSpec { key: "delay_s", default: None, low: -1.0, high: 1.0 }],
     example: (Location::Encoder, &[("delay_s", 4e-4)]),
+    table: None,
     remembers: false,
 };
 

@@ -22,6 +22,7 @@ pub const SPEC: Spec = Spec {
     // τ.
     parameters: &[ParameterSpec { key: "time_constant_s", default: None, low: 1e-9, high: 1e3 }],
     example: (Location::Encoder, &[("time_constant_s", 4e-4)]),
+    table: None,
     remembers: true,
 };
 

@@ -5,6 +5,7 @@ use super::hooks::{
     Constants, Effects, Excess, Felt, Flow, MEMORIES, Memory, Motion, Relaxations, Rubbing, Torque,
     Winding,
 };
+use super::table::{Table, Tables};
 use super::worm::Worm;
 use super::{Effect, EffectParameters, Kind};
 use crate::angle::Angle;
@@ -22,10 +23,10 @@ type Laws<S> = Vec<Effect<S>, MAX_EFFECTS>;
 
 /// The effects of one joint.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(bound = "", from = "Laws<S>", into = "Laws<S>"))]
 pub struct EffectSet<S: Scalar> {
     effects: Laws<S>,
+    /// Those of the laws that have one, in their order.
+    tables: Tables<S>,
     uses: Uses,
 }
 
@@ -84,11 +85,11 @@ fn teeth_first<S: Scalar>(laws: &mut [Effect<S>]) {
     }
 }
 
-impl<S: Scalar> From<Laws<S>> for EffectSet<S> {
-    fn from(mut effects: Laws<S>) -> Self {
+impl<S: Scalar> EffectSet<S> {
+    fn of(mut effects: Laws<S>, tables: Tables<S>) -> Self {
         teeth_first(&mut effects);
         let uses = effects.iter().fold(Uses::default(), Uses::with);
-        Self { effects, uses }
+        Self { effects, tables, uses }
     }
 }
 
@@ -99,46 +100,100 @@ impl<U: Scalar<Gain = U>> Batch<U> for EffectSet<f64> {
         for effect in &self.effects {
             effects.push(effect.batch(numbers)).ok();
         }
-        EffectSet { effects, uses: self.uses }
-    }
-}
-
-impl<S: Scalar> From<EffectSet<S>> for Laws<S> {
-    fn from(set: EffectSet<S>) -> Self {
-        set.effects
+        let tables = self.tables.iter().map(|table| table.batch(numbers)).collect();
+        EffectSet { effects, tables, uses: self.uses }
     }
 }
 
 impl<S: Scalar> EffectSet<S> {
     /// The laws of these effects, of the load's gravity and of worm stages; `None` where a place does not exist,
-    /// or there are more than [`MAX_EFFECTS`], or more than [`MEMORIES`] that remember.
+    /// or there are more than [`MAX_EFFECTS`], more than [`MEMORIES`] that remember, or more than
+    /// [`MAX_TABLES`](super::MAX_TABLES) that have a table.
     pub fn new(effects: &[EffectParameters], load: &Load, bases: &Bases<'_>) -> Option<Self> {
         let mut laws = Laws::new();
         if load.gravity_nm != 0.0 {
             let gravity = EffectParameters::new(Kind::Gravity, Location::Output)
                 .with("amplitude_nm", load.gravity_nm)
                 .with("phase_rad", load.gravity_phase_rad);
-            laws.push(Effect::new(&gravity, bases, 0)?).ok()?;
+            laws.push(Effect::new(&gravity, bases, [0; 2])?).ok()?;
         }
         for (mass, stage) in bases.stages().iter().enumerate() {
             if let Some(worm) = Worm::new(mass, stage, bases) {
                 laws.push(Effect::Worm(worm)).ok()?;
             }
         }
-        let mut slot = 0;
+        let (mut slot, mut tables) = (0, Tables::new());
         for effect in effects {
             if effect.kind.remembers() && usize::from(slot) >= MEMORIES {
                 return None;
             }
-            laws.push(Effect::new(effect, bases, slot)?).ok()?;
+            let slots = [slot, tables.len() as u8];
+            laws.push(Effect::new(effect, bases, slots)?).ok()?;
             slot += u8::from(effect.kind.remembers());
+            if effect.kind.has_table() {
+                tables.push(Table::new(&effect.table, effect.is_periodic())).ok()?;
+            }
         }
-        Some(laws.into())
+        Some(Self::of(laws, tables))
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.effects.is_empty()
+    }
+}
+
+/// In a parameter block: the laws, and right after them their tables, whose number follows from the laws. A
+/// set without a table is its laws, as it was before there were tables.
+#[cfg(feature = "serde")]
+mod wire {
+    use core::fmt;
+    use core::marker::PhantomData;
+
+    use serde::de::{Error, SeqAccess, Visitor};
+    use serde::ser::SerializeTuple;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::{EffectSet, Laws, Tables};
+    use crate::effect::MAX_TABLES;
+    use crate::scalar::Scalar;
+
+    impl<S: Scalar> Serialize for EffectSet<S> {
+        fn serialize<T: Serializer>(&self, serializer: T) -> Result<T::Ok, T::Error> {
+            let mut parts = serializer.serialize_tuple(1 + self.tables.len())?;
+            parts.serialize_element(&self.effects)?;
+            for table in &self.tables {
+                parts.serialize_element(table)?;
+            }
+            parts.end()
+        }
+    }
+
+    struct Parts<S>(PhantomData<S>);
+
+    impl<'de, S: Scalar> Visitor<'de> for Parts<S> {
+        type Value = EffectSet<S>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("laws and their tables")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut parts: A) -> Result<EffectSet<S>, A::Error> {
+            let missing = || A::Error::custom("laws without their tables");
+            let effects: Laws<S> = parts.next_element()?.ok_or_else(missing)?;
+            let mut tables = Tables::new();
+            for _ in effects.iter().filter(|effect| effect.has_table()) {
+                let table = parts.next_element()?.ok_or_else(missing)?;
+                tables.push(table).map_err(|_| A::Error::custom("too many tables"))?;
+            }
+            Ok(EffectSet::of(effects, tables))
+        }
+    }
+
+    impl<'de, S: Scalar> Deserialize<'de> for EffectSet<S> {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            deserializer.deserialize_tuple(1 + MAX_TABLES, Parts(PhantomData))
+        }
     }
 }
 
@@ -261,8 +316,10 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline(never)]
     fn torque(&self, mass: usize, at: Motion<S>, memory: &Memory<S>) -> Torque<S> {
-        asked!(self, (mass: usize, at: Motion<S>, memory: &'a Memory<S>) -> Torque<S>, Torque::NONE,
-            |sum, law| sum.plus(law.torque(mass, at, memory)))
+        let tables = &self.tables;
+        asked!(self,
+            (mass: usize, at: Motion<S>, memory: &'a Memory<S>, tables: &'a Tables<S>) -> Torque<S>,
+            Torque::NONE, |sum, law| sum.plus(law.torque_from(tables, mass, at, memory)))
     }
 
     #[inline(never)]
@@ -280,8 +337,9 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
 
     #[inline(never)]
     fn inverse_level(&self, mass: usize, at: Rubbing<S>) -> S {
-        asked!(self, (mass: usize, at: Rubbing<S>) -> S, S::ONE,
-            |level, law| level * law.inverse_level(mass, at))
+        let tables = &self.tables;
+        asked!(self, (mass: usize, at: Rubbing<S>, tables: &'a Tables<S>) -> S, S::ONE,
+            |level, law| level * law.inverse_level_from(tables, mass, at))
     }
 
     #[inline(never)]

@@ -21,6 +21,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "width_rad", default: None, low: 1e-9, high: 1e3 },
     ],
     example: (Location::Stage(2), &[("amplitude_nm", 4e-3), ("width_rad", 2e-3)]),
+    table: None,
     remembers: true,
 };
 

@@ -19,6 +19,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "bus_voltage_v", default: None, low: 1e-9, high: 1e6 },
     ],
     example: (Location::Inverter, &[("source_resistance_ohm", 1.0), ("bus_voltage_v", 6.0)]),
+    table: None,
     remembers: false,
 };
 

@@ -22,6 +22,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "order", default: None, low: 0.01, high: 1e5 },
     ],
     example: (Location::Motor, &[("relative_amplitude", 0.1), ("order", 6.0), ("phase_rad", 0.3)]),
+    table: None,
     remembers: false,
 };
 

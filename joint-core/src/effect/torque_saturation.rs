@@ -17,6 +17,7 @@ pub const SPEC: Spec = Spec {
     // I: the current at which half the torque constant is left.
     parameters: &[ParameterSpec { key: "current_a", default: None, low: 1e-12, high: 1e12 }],
     example: (Location::Motor, &[("current_a", 0.4)]),
+    table: None,
     remembers: false,
 };
 

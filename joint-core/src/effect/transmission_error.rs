@@ -23,6 +23,7 @@ pub const SPEC: Spec = Spec {
         ParameterSpec { key: "order", default: None, low: 0.01, high: 1e5 },
     ],
     example: (Location::Stage(2), &[("amplitude_rad", 3e-4), ("order", 2.0), ("phase_rad", 0.3)]),
+    table: None,
     remembers: false,
 };
 

@@ -23,6 +23,7 @@ pub const SPEC: Spec = Spec {
         Location::Motor,
         &[("relative_rise", 0.25), ("time_constant_s", 0.05), ("reference_current_a", 0.07)],
     ),
+    table: None,
     remembers: true,
 };
 

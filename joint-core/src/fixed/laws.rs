@@ -5,6 +5,7 @@ use ::fixed::types::{I0F32, I6F26, I102F26};
 use super::lines::{EXPONENTIAL, RELAXATION};
 use super::{Fixed, Gain, PLACES, UNIT, from_place, nearest_upper};
 use crate::angle::{Turns, counted};
+use crate::effect::table::{Lookup, between};
 use crate::friction::{Damped, Relaxation, Stribeck};
 use crate::gear::Deflection;
 use crate::number::Number;
@@ -148,6 +149,19 @@ impl Damped for Fixed {
     #[inline(always)]
     fn risen(self, _began: Fixed, _lost: Fixed) -> Fixed {
         self
+    }
+}
+
+impl Lookup for Fixed {
+    #[inline(always)]
+    fn looked_up(self, knots: &[Fixed]) -> [Fixed; 2] {
+        let last = knots.len().saturating_sub(2);
+        // A place beside the table is one of its ends: a part is between zero and one.
+        let place = i64::from(self.to_bits()) * (last as i64 + 1);
+        let at = ((place >> PLACES) as usize).min(last);
+        let [before, change] = between(knots, at);
+        let share = Self::from_bits((place - ((at as i64) << PLACES)) as i32);
+        [before + change * share, change]
     }
 }
 

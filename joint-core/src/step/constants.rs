@@ -21,7 +21,7 @@ pub struct Joint<S: Scalar, const N: usize, E = ()> {
     pub(crate) half_drift: S::Gain,
     /// Turns per speed over half a micro-step.
     pub(crate) half_turn: S::Gain,
-    /// One.
+    /// One; blocks have it here.
     pub(crate) whole_turn: Ratio<S>,
     /// Turns per speed over the first kick; half of what the middle one takes to either side.
     pub(crate) kick_turn: S::Gain,

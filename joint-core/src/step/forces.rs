@@ -59,7 +59,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let memory = &state.memory;
         rotor.damping = self.damping(&self.rotor, 0, rotor, memory);
         if self.effects.has_torque(0) {
-            let at = Motion { angle, turns: self.whole_turn.wide(angle), speed: rotor.speed };
+            let at = Motion { angle, speed: rotor.speed };
             let torque = self.effects.torque(0, at, memory);
             rotor.force = rotor.force + torque.value;
             gradient.rotor = -torque.slope;
@@ -92,10 +92,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             // The next stage's laws ask for this mass's angle too.
             if self.effects.has_torque(number) || self.effects.has_stage(number) {
                 let motor = angle.ahead(-wound.times(self.turns));
-                input = own.own_angle(motor);
+                if self.effects.has_stage(number) {
+                    input = own.own_angle(motor);
+                }
                 if self.effects.has_torque(number) {
-                    let turns = own.shaft.wide(motor);
-                    let at = Motion { angle: input, turns, speed: mass.speed };
+                    let at = Motion { angle: motor, speed: mass.speed };
                     let torque = self.effects.torque(number, at, memory);
                     mass.force = mass.force + torque.value;
                     *mass_slope = -torque.slope;

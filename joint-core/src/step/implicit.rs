@@ -149,7 +149,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         rotor.missing = rotor.missing + motor;
         rotor.held = rotor.held + motor_slope;
         if self.effects.has_torque(0) {
-            let at = Motion { angle, turns: self.whole_turn.wide(angle), speed: state.rotor.speed };
+            let at = Motion { angle, speed: state.rotor.speed };
             let torque = self.effects.torque(0, at, &state.memory);
             rotor.missing = rotor.missing + torque.value;
             rotor.held = rotor.held - torque.slope * per_angle;
@@ -189,8 +189,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             if self.effects.has_torque(number) || self.effects.has_stages() {
                 let motor = angle.ahead(-wound.times(self.turns));
                 input_angle = own.own_angle(motor);
-                let speed = stage.mass.speed;
-                let at = Motion { angle: input_angle, turns: own.shaft.wide(motor), speed };
+                let at = Motion { angle: motor, speed: stage.mass.speed };
                 let torque = self.effects.torque(number, at, &state.memory);
                 row.missing = row.missing + torque.value;
                 row.held = row.held - torque.slope * per_angle;

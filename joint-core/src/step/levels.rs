@@ -65,7 +65,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     #[inline(always)]
     pub(super) fn levels(&self, state: &State<S, N>, angle: Angle<S>) -> (S, [S; N]) {
         let (mut rotor, mut levels) = (S::ONE, [S::ONE; N]);
-        let mut wound = S::ZERO;
+        let (mut wound, mut input) = (S::ZERO, angle);
         let (speed, transmitted) = (state.rotor.speed, state.current);
         // A mass's level is found once the stage behind it is known.
         let mut at = Rubbing { speed, transmitted, passed_on: S::ZERO, angle };
@@ -74,7 +74,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for ((next, (stage, constants)), number) in levels.iter_mut().zip(stages).zip(0..N) {
             let mut torque = S::ZERO;
             if self.effects.has_level(number) || self.effects.has_level(number + 1) {
-                let felt = self.felt(number, stage.deflection, at.angle);
+                let felt = self.felt(number, stage.deflection, input);
                 let relative = at.speed - stage.mass.speed;
                 torque = constants.spring.torque(felt.deflection)
                     + constants.spring.damping_torque(relative) * felt.contact;
@@ -90,7 +90,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             level = next;
             wound = wound + stage.deflection;
             if self.effects.has_angled_levels() || self.effects.has_stages() {
-                at.angle = constants.own_angle(angle.ahead(-wound.times(self.turns)));
+                at.angle = angle.ahead(-wound.times(self.turns));
+            }
+            if self.effects.has_stages() {
+                input = constants.own_angle(at.angle);
             }
             at = Rubbing {
                 speed: stage.mass.speed,

@@ -11,6 +11,7 @@ mod budget;
 mod excitation;
 mod generic;
 mod hats;
+mod map;
 mod shares;
 mod unseen;
 
@@ -19,5 +20,6 @@ pub use budget::{Budget, FreeRun};
 pub(super) use budget::{Weighed, weigh};
 pub(super) use excitation::cannot_tell;
 pub use generic::Predicted;
+pub use map::{Unexplained, fitted_map};
 pub use unseen::Unseen;
 pub(super) use unseen::unseen;

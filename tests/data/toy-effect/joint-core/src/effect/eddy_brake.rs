@@ -22,6 +22,7 @@ pub const SPEC: Spec = Spec {
         Location::Motor,
         &[("critical_torque_nm", 5e-6), ("critical_speed_rad_per_s", 200.0)],
     ),
+    table: None,
     remembers: false,
 };
 
