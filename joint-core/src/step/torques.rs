@@ -88,7 +88,7 @@ mod tests {
         let joint = Joint::<f64, 1>::new(&motor, &[stage], &Load::default(), &settings).unwrap();
         let mut state = joint.rest();
         // The load is the output's own; reflected by the gear, which reverses.
-        let load_nm = 0.3;
+        let load_nm = 0.1;
         for _ in 0..100_000 {
             joint.step(&mut state, joint.input(6.0, load_nm));
         }
