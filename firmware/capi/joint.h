@@ -8,6 +8,11 @@
 #include <stdint.h>
 
 /**
+ * Version of this header: major, minor and patch, a byte each.
+ */
+#define JOINT_VERSION 256
+
+/**
  * Eight-byte words of a joint.
  */
 #define JOINT_WORDS 768
@@ -73,6 +78,81 @@
 #define JOINT_BLOCK_INADMISSIBLE 8
 
 /**
+ * Bit of `status`: no parameters were accepted: estimates are those of the documented default joint.
+ */
+#define JOINT_STATUS_DEFAULTS (1 << 0)
+
+/**
+ * Bit of `status`: a measurement was no number, or beyond what its sensor can show, and was left out.
+ */
+#define JOINT_STATUS_MEASUREMENT (1 << 1)
+
+/**
+ * Bit of `status`: the motor encoder moved further than the joint can in one period.
+ */
+#define JOINT_STATUS_ENCODER_JUMP (1 << 2)
+
+/**
+ * Bit of `status`: control periods were missed before this one.
+ */
+#define JOINT_STATUS_LATE (1 << 3)
+
+/**
+ * Bit of `status`: the output stage is enabled.
+ */
+#define JOINT_STATUS_OUTPUT_ON (1 << 4)
+
+/**
+ * Bit of `health`: the state is still settling after a start.
+ */
+#define JOINT_HEALTH_STARTING (1 << 0)
+
+/**
+ * Bit of `health`: the load cannot be seen: the joint is held by friction and no sensor is behind it.
+ */
+#define JOINT_HEALTH_UNOBSERVABLE (1 << 1)
+
+/**
+ * Bit of `health`: no rotor angle came with this sample; the model alone went on.
+ */
+#define JOINT_HEALTH_COASTING (1 << 2)
+
+/**
+ * Bit of `health`: a measurement was too far off to be believed, and was left out.
+ */
+#define JOINT_HEALTH_GLITCH (1 << 3)
+
+/**
+ * Bit of `health`: the very same measurements as before while the joint moved: left out.
+ */
+#define JOINT_HEALTH_REPEATED (1 << 4)
+
+/**
+ * Bit of `health`: the current sensor is at its end or silent; the current was left out.
+ */
+#define JOINT_HEALTH_NO_CURRENT (1 << 5)
+
+/**
+ * Bit of `health`: the applied voltage (or current) was not a number; the last one was kept.
+ */
+#define JOINT_HEALTH_NO_DRIVE (1 << 6)
+
+/**
+ * Bit of `health`: the innovations stay larger than the design says: wrong parameters, or a drive that does not put out what it is told.
+ */
+#define JOINT_HEALTH_MISMATCH (1 << 7)
+
+/**
+ * Bit of `health`: an estimate is at the bound it is held to.
+ */
+#define JOINT_HEALTH_BOUNDED (1 << 8)
+
+/**
+ * Bit of `health`: there is no estimate: no rotor angle has come yet, or for too long.
+ */
+#define JOINT_HEALTH_LOST (1 << 9)
+
+/**
  * A joint: memory for the library, not to be looked into. It may be moved between calls.
  */
 typedef struct {
@@ -114,11 +194,11 @@ typedef struct {
    */
   uint32_t tick;
   /**
-   * What is wrong or special: zero where all is well; docs/firmware.md has the bits.
+   * What is wrong or special, the bits JOINT_STATUS_...; zero where all is well.
    */
   uint16_t status;
   /**
-   * What the observer says of itself: zero where all is well; docs/firmware.md has the bits.
+   * What the observer says of itself, the bits JOINT_HEALTH_...; zero where all is well.
    */
   uint16_t health;
   /**
@@ -176,13 +256,17 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Prepares a joint from a parameter block, as `joint export --format block` writes it; what follows
+ * Version of the library: equal to JOINT_VERSION where header and library belong together.
+ */
+uint32_t joint_version(void);
+
+/**
+ * Prepares a joint from a parameter block, as "joint export --format block" writes it; what follows
  * the block in memory is not looked at. The joint is at rest. Returns JOINT_OK or why the block is
  * refused, and then the joint is not initialised.
  *
- * # Safety
- * `joint` is null or points to a `joint_t` of the caller's, and `block` is null or to `length`
- * readable bytes.
+ * joint points to a joint_t of the caller's, block to length readable bytes; a null pointer is
+ * refused.
  */
 int32_t joint_init(joint_t *joint, const uint8_t *block, size_t length);
 
@@ -190,17 +274,16 @@ int32_t joint_init(joint_t *joint, const uint8_t *block, size_t length);
  * Advances the joint by one control period. Never blocks, and costs the same whatever the data.
  * Returns JOINT_OK, or why nothing was done.
  *
- * # Safety
- * `joint` is null or points to a `joint_t` that was given to `joint_init` or is all zeros, and
- * `sample` is null or points to a sample.
+ * joint points to a joint_t that was given to joint_init or is all zeros, sample to a sample; a
+ * null pointer is refused.
  */
 int32_t joint_update(joint_t *joint, const joint_sample_t *sample);
 
 /**
  * Reads what the last update left. Returns JOINT_OK, or why nothing was read.
  *
- * # Safety
- * As `joint_update`; `estimate` is null or points to a place for an estimate.
+ * joint is as for joint_update, estimate points to a place for an estimate; a null pointer is
+ * refused.
  */
 int32_t joint_estimate(const joint_t *joint, joint_estimate_t *estimate);
 
