@@ -383,7 +383,7 @@ fn compared(
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let (ours, theirs) = (columns(&path("s.csv")), columns(&path("theirs.csv")));
-    let last = ours.keys().filter(|name| name.ends_with("_speed_rad_per_s")).next_back().unwrap();
+    let last = ours.keys().rfind(|name| name.ends_with("_speed_rad_per_s")).unwrap();
     let mut errors = Vec::new();
     for (name, values) in theirs.iter().filter(|(name, _)| *name != "t_s") {
         let own = match name.as_str() {
