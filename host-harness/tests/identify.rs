@@ -19,7 +19,7 @@ fn folder() -> (tempfile::TempDir, f64) {
     let folder = tempfile::tempdir().unwrap();
     let mut truth = actuator();
     truth.stages.clear();
-    let drag = 4e-7;
+    let drag = 4e-6;
     let effect = |size: f64| {
         EffectParameters::new(Kind::QuadraticDrag, Location::Motor).with("coefficient_nm_s2", size)
     };

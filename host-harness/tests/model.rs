@@ -315,7 +315,11 @@ fn a_table_is_read_and_written_and_what_has_no_name_is_marked() {
         ("torque_nm = [0, 1e-3, -2e-3]\nbackward_", "", "backward_torque_nm"),
         ("span_rad = 2", "unnamed = false\nspan_rad = 2", "`unnamed` of torque-map is true"),
         ("span_rad = 2", "period_rad = 2\nspan_rad = 2", "just one of the span"),
-        ("blend_rad_per_s = 0.1", "", "blend_rad_per_s = 0: must be more than zero"),
+        (
+            "blend_rad_per_s = 0.1",
+            "",
+            "key `blend_rad_per_s` is missing in [[effect]] number 2: it must be more",
+        ),
         ("1e-3, -2e-3]", "inf, -2e-3]", "must be a finite number"),
     ] {
         let broken = MAP.replacen(from, to, 1);

@@ -23,11 +23,6 @@ pub trait Turns: Elementary {
     fn counted(whole: Self::Whole, more: Self::Whole) -> Self::Whole;
     /// Turns between −½ and ½ from an encoder's counts of 2⁻³² turn.
     fn from_turn_counts(counts: i32) -> Self;
-    /// By how many turns, between −½ and ½, an encoder's counts are ahead of a part of a turn.
-    #[inline(always)]
-    fn turn_counts_ahead(counts: i32, part: Self) -> Self {
-        (Self::from_turn_counts(counts) - part).split_turns().1
-    }
     /// Whole turns and the rest between −½ and ½, of an angle in turns between −1 and 1.
     fn split_turns(self) -> (Self::Whole, Self);
     /// A part of a turn and what it has lost, after less than half a turn more: whole turns, the part

@@ -40,7 +40,7 @@ pub struct Fixed(I6F26);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gain {
-    /// Where the power is zero, the bits of an [`I16F16`]; in a kick's sum ([`Sums`]) those of an [`I12F20`].
+    /// Where the power is zero, the bits of an [`I16F16`]; in a sum ([`Sums`]) those of an [`I12F20`].
     mantissa: I1F31,
     /// Up to 2³⁰; zero for a large constant.
     power: i32,
@@ -95,13 +95,6 @@ fn from_place<const PLACE: u32>(product: i64) -> i32 {
 #[inline(always)]
 fn nearest_upper(a: i32, b: i32) -> i32 {
     ((i64::from(a) * i64::from(b) + (1 << 31)) >> 32) as i32
-}
-
-/// Upper word of a product, to the nearest, and a sum; the two must not leave 32 bits.
-#[inline(always)]
-fn nearest_upper_beside(sum: i32, a: i32, b: i32) -> i32 {
-    let product = i64::from(a) * i64::from(b) + (1 << 31);
-    ((i64::from(sum) << 32).wrapping_add(product) >> 32) as i32
 }
 
 /// Upper word of a product of 32-bit fractions, rounded down.
@@ -337,7 +330,8 @@ impl Number for Fixed {
 
 impl Sums for Fixed {
     /// Of one exponent, so that no sum of products leaves 64 bits; constants of an eighth or more together
-    /// are in steps of 2⁻²⁰ and stop at 512, which no kick comes near.
+    /// are in steps of 2⁻²⁰ and stop at 512, which neither a kick nor a
+    /// correction comes near.
     fn gains<const K: usize>(values: [f64; K]) -> [Gain; K] {
         let whole = Self::gain(values.iter().map(|value| libm::fabs(*value)).sum());
         if whole.power == 0 {
@@ -354,47 +348,11 @@ impl Sums for Fixed {
     fn weighed(self, gain: Gain) -> Fixed {
         gain.summed(gain.product(self))
     }
-    /// Mantissas of 31 bits together, of one exponent: a power that is below zero is of the left shift that
-    /// follows, times 2¹⁶. A sum of a million or more stops there.
-    fn weights<const K: usize>(values: [f64; K]) -> [Gain; K] {
-        let whole: f64 = values.iter().map(|value| libm::fabs(*value)).sum();
-        let (_, exponent) = libm::frexp(whole);
-        // The upper word of a product is 2^-(exponent + 1) of it.
-        let shift = (exponent + 1).min(14);
-        if whole == 0.0 || !whole.is_finite() || shift < -32 {
-            return [Gain::default(); K];
-        }
-        let power = if shift < -1 { 1 << (32 + shift) } else { -(1 << (16 + shift)) };
-        let unit = libm::ldexp(1.0, 32 - shift);
-        values.map(|value| {
-            let mantissa = libm::round(value * unit) as i32;
-            Gain { mantissa: I1F31::from_bits(mantissa), power }
-        })
-    }
-    /// Of the products' upper words, each to the nearest.
     #[inline(always)]
     fn weighed_sum<const K: usize>(terms: [(Fixed, &Gain); K]) -> Fixed {
-        let upper = terms.iter().fold(0, |sum, (value, gain)| {
-            nearest_upper_beside(sum, value.to_bits(), gain.mantissa.to_bits())
-        });
-        let power = terms.last().map_or(0, |(_, gain)| gain.power);
-        Self::from_bits(if power < 0 {
-            from_place::<16>(-(i64::from(upper) * i64::from(power)))
-        } else {
-            nearest_upper(upper, power)
-        })
-    }
-    #[inline(always)]
-    fn corrected<const K: usize>(self, terms: [(Fixed, &Gain); K]) -> Fixed {
-        self + Self::weighed_sum(terms)
-    }
-    /// By upper words, in steps of 2⁻²⁰; the sum stops at the limit.
-    #[inline(always)]
-    fn sum_of_squares<const K: usize>(values: [Fixed; K]) -> Fixed {
-        let upper = values
-            .into_iter()
-            .fold(0, |sum: i32, value| sum.wrapping_add(upper(value.to_bits(), value.to_bits())));
-        Self::from_bits(upper.min(i32::MAX >> (32 - PLACES)) << (32 - PLACES))
+        let products = terms.iter().map(|(value, gain)| gain.product(*value));
+        let sum = products.fold(0, i64::wrapping_add);
+        terms.last().map_or(Self::ZERO, |(_, gain)| gain.summed(sum))
     }
     #[inline(always)]
     fn gained(plus: [(Fixed, &Gain); 3], minus: (Fixed, &Gain)) -> Fixed {

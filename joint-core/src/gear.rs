@@ -82,12 +82,6 @@ impl<S: Deflection> Spring<S> {
         self.linear + bent * bent
     }
 
-    /// Elastic torque over a small deflection.
-    #[inline(always)]
-    pub(crate) fn stiffness(&self) -> S {
-        self.linear
-    }
-
     /// Whether there is a damper.
     pub(crate) fn is_damped(&self) -> bool {
         self.before != S::Gain::default()

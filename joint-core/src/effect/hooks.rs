@@ -298,12 +298,6 @@ pub trait Effects<S: Scalar> {
         S::ZERO
     }
 
-    /// The part of a turn that an encoder shows.
-    #[inline(always)]
-    fn shown_part(&self, output: bool, angle: Angle<S>, speed: S, memory: &Memory<S>) -> S {
-        angle.part + self.encoder_error(output, angle, speed, memory)
-    }
-
     /// Torque on a mass from its own motion.
     #[inline(always)]
     fn torque(&self, _mass: usize, _at: Motion<S>, _memory: &Memory<S>) -> Torque<S> {
@@ -364,9 +358,4 @@ pub trait Effects<S: Scalar> {
     fn relax(&self, _flow: &Flow<'_, S>, _all: &mut Relaxations<S>) {}
 }
 
-impl<S: Scalar> Effects<S> for () {
-    #[inline(always)]
-    fn shown_part(&self, _output: bool, angle: Angle<S>, _speed: S, _: &Memory<S>) -> S {
-        angle.part
-    }
-}
+impl<S: Scalar> Effects<S> for () {}

@@ -18,10 +18,6 @@ impl Turns for Fixed {
         Fixed(I6F26::wrapping_from_num(I0F32::from_bits(counts)))
     }
     #[inline(always)]
-    fn turn_counts_ahead(counts: i32, part: Fixed) -> Fixed {
-        Self::from_turn_counts(counts.wrapping_sub(part.to_bits() << (32 - PLACES)))
-    }
-    #[inline(always)]
     fn split_turns(self) -> (i32, Fixed) {
         let whole = (self.to_bits() + UNIT / 2) >> PLACES;
         (whole, Self::from_bits(self.to_bits() - (whole << PLACES)))

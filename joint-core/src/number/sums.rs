@@ -5,8 +5,7 @@ use super::Number;
 /// How a format sums products: fixed point gives the constants of one sum one exponent and
 /// rounds the sum, where single products would each be shifted and rounded.
 pub trait Sums: Number {
-    /// The constants of one sum of a kick; [`Sums::weighed`], [`Sums::gained`] and [`Sums::ended`] take no
-    /// others.
+    /// The constants of one sum; the other functions here take no others.
     fn gains<const K: usize>(values: [f64; K]) -> [Self::Gain; K] {
         values.map(Self::gain)
     }
@@ -17,29 +16,11 @@ pub trait Sums: Number {
         self.times(gain)
     }
 
-    /// The constants of one sum that corrects; [`Sums::weighed_sum`] and [`Sums::corrected`] take no others.
-    fn weights<const K: usize>(values: [f64; K]) -> [Self::Gain; K] {
-        values.map(Self::gain)
-    }
-
-    /// Sum of products with [`Sums::weights`].
+    /// Sum of products.
     #[inline(always)]
     fn weighed_sum<const K: usize>(terms: [(Self, &Self::Gain); K]) -> Self {
         let products = terms.iter().map(|(value, gain)| value.times(**gain));
         products.reduce(|sum, product| sum + product).unwrap_or(Self::ZERO)
-    }
-
-    /// This number and such a sum: what a correction makes of a state.
-    #[inline(always)]
-    fn corrected<const K: usize>(self, terms: [(Self, &Self::Gain); K]) -> Self {
-        terms.iter().fold(self, |sum, (value, gain)| sum + value.times(**gain))
-    }
-
-    /// Sum of squares that are all below four.
-    #[inline(always)]
-    fn sum_of_squares<const K: usize>(values: [Self; K]) -> Self {
-        let squares = values.into_iter().map(Self::squared);
-        squares.reduce(|sum, square| sum + square).unwrap_or(Self::ZERO)
     }
 
     /// What a kick makes of a speed: three products less one.

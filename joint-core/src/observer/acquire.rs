@@ -3,7 +3,7 @@
 //! Gains are those of small errors. A joint that is already turning when the drive wakes up is
 //! therefore measured first, over one step where that is enough for its speed and over a few else.
 
-use super::innovation::{limited, motor_ahead};
+use super::innovation::motor_ahead;
 use super::{
     Disturbance, Electrical, InnovationMeans, Missing, Observer, ParameterErrors, Sample, Schedule,
     Status, Track,
@@ -39,15 +39,11 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
     }
 
-    /// Starts anew, with what is slow kept within its bounds.
+    /// Starts anew, with what is slow kept.
     #[cold]
     #[inline(never)]
     pub(super) fn restart(&self, track: &mut Track<S, N>) {
-        let Track { last, drive, mut parameters, electrical, .. } = *track;
-        let (gains, own) = (&self.gains, &mut parameters);
-        own.resistance = limited(own.resistance, gains.most_ohm);
-        own.flux = limited(own.flux, gains.most_flux);
-        own.friction = limited(own.friction, gains.most_level);
+        let Track { last, drive, parameters, electrical, .. } = *track;
         let electrical = Electrical { at_outlier: 0, ..electrical };
         let anew = self.start(track.state.angle.whole);
         *track = Track { last, drive, parameters, electrical, ..anew };
@@ -79,10 +75,6 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             return status;
         }
         let speed = if last && fast { moved } else { moved * eighth }.times(self.gains.per_turn);
-        if speed.abs() > self.gains.most_speed {
-            track.age = 0;
-            return status.with(Status::GLITCH);
-        }
         let state = &mut track.state;
         state.angle.advance(moved);
         state.rotor.speed = speed;

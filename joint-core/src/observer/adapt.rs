@@ -9,7 +9,7 @@
 use super::column::CHANNELS;
 use super::gains::{Deceleration, Regime};
 use super::innovation::bounded;
-use super::{Observer, Schedule, Track};
+use super::{Observer, Track};
 use crate::effect::Effects;
 use crate::joint::{Mass, State};
 use crate::scalar::Real;
@@ -60,27 +60,19 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     pub(super) fn adapt(&self, track: &mut Track<S, N>, by: &Adapting<'_, S>) -> bool {
         let gains = &self.gains;
-        let adapts = self.undisturbed(track) || {
-            seldom();
-            track.electrical.confirmed < gains.confirmed
-        };
+        let adapts = self.undisturbed(track) || track.electrical.confirmed < gains.confirmed;
         let friction = track.adapts_friction;
         track.adapts_friction = !friction;
         if !friction {
             return adapts && self.adapt_motor(track, by);
         }
-        let tells = by.output || self.is_past_rest(&mut track.schedule);
-        adapts && tells && !by.held && self.adapt_friction(track, by)
-    }
-
-    /// Whether the rotor alone tells friction from a load: it moves, steadily, and its last rest is forgotten.
-    #[inline(always)]
-    fn is_past_rest(&self, schedule: &mut Schedule<S>) -> bool {
+        let schedule = &mut track.schedule;
         schedule.after_rest = match schedule.held > STILL {
-            true => self.gains.settled,
+            true => gains.settled,
             false => schedule.after_rest.saturating_sub(2),
         };
-        schedule.regime == Regime::Steady && schedule.after_rest == 0
+        let tells = by.output || schedule.regime == Regime::Steady && schedule.after_rest == 0;
+        adapts && tells && !by.held && self.adapt_friction(track, by)
     }
 
     #[inline(always)]
@@ -93,7 +85,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         if !by.held && track.electrical.confirmed < gains.most_confirmed {
             track.electrical.confirmed += 1;
         }
-        bounded([(&mut own.resistance, gains.most_ohm), (&mut own.flux, gains.most_flux)])
+        bounded(&mut own.resistance, gains.most_ohm) | bounded(&mut own.flux, gains.most_flux)
     }
 
     #[inline(always)]
@@ -102,18 +94,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let ([without, with], [gain, gain_output]) = (&gains.friction_projection, &gains.level);
         let ([motor, output], gain) = if by.output { (with, gain_output) } else { (without, gain) };
         let [_, by_motor, by_output] = by.innovations;
-        let torque = S::weighed_sum([(*by_motor, motor), (*by_output, output)]);
-        // Past its bound in every third sample: no branch.
-        let most = gains.most_friction_projection;
-        let torque = if torque > most { most } else { torque };
-        let torque = if torque < -most { -most } else { torque };
+        let mut torque = S::weighed_sum([(*by_motor, motor), (*by_output, output)]);
+        bounded(&mut torque, gains.most_friction_projection);
         let own = &mut track.parameters.friction;
         *own = *own + by.beside * torque.times(*gain);
-        bounded([(own, gains.most_level)])
+        bounded(own, gains.most_level)
     }
 }
-
-/// Keeps what is asked seldom off the plain way: without it both questions are asked every time.
-#[cold]
-#[inline]
-fn seldom() {}

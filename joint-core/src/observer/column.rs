@@ -61,18 +61,18 @@ pub(super) fn summed<S: Scalar, const N: usize>(
 ) -> [Column<S::Gain, N>; CHANNELS] {
     let mut own = [Column::filled(S::Gain::default()); CHANNELS];
     let [x, y, z] = &mut own;
-    [x.current, y.current, z.current] = S::weights([a.current, b.current, c.current]);
-    [x.angle, y.angle, z.angle] = S::weights([a.angle, b.angle, c.angle]);
-    [x.speed, y.speed, z.speed] = S::weights([a.speed, b.speed, c.speed]);
+    [x.current, y.current, z.current] = S::gains([a.current, b.current, c.current]);
+    [x.angle, y.angle, z.angle] = S::gains([a.angle, b.angle, c.angle]);
+    [x.speed, y.speed, z.speed] = S::gains([a.speed, b.speed, c.speed]);
     let from = a.stages.iter().zip(&b.stages).zip(&c.stages);
     let to = x.stages.iter_mut().zip(&mut y.stages).zip(&mut z.stages);
     for (((a, b), c), ((x, y), z)) in from.zip(to) {
         [x.deflection, y.deflection, z.deflection] =
-            S::weights([a.deflection, b.deflection, c.deflection]);
-        [x.speed, y.speed, z.speed] = S::weights([a.speed, b.speed, c.speed]);
+            S::gains([a.deflection, b.deflection, c.deflection]);
+        [x.speed, y.speed, z.speed] = S::gains([a.speed, b.speed, c.speed]);
     }
-    [x.load, y.load, z.load] = S::weights([a.load, b.load, c.load]);
-    [x.slope, y.slope, z.slope] = S::weights([a.slope, b.slope, c.slope]);
-    [x.bias, y.bias, z.bias] = S::weights([a.bias, b.bias, c.bias]);
+    [x.load, y.load, z.load] = S::gains([a.load, b.load, c.load]);
+    [x.slope, y.slope, z.slope] = S::gains([a.slope, b.slope, c.slope]);
+    [x.bias, y.bias, z.bias] = S::gains([a.bias, b.bias, c.bias]);
     own
 }

@@ -317,16 +317,16 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
         };
         let projection = |[current, motor, output]: [f64; CHANNELS]| {
             let [a, b, c] = many;
-            S::weights([a * current, b * motor, c * output])
+            S::gains([a * current, b * motor, c * output])
         };
         let [by_current, by_motor, by_output] = many;
         let deceleration = |[bristle, viscous]: [f64; 2]| {
-            let [bristle, viscous] = S::weights([TURNS * bristle / units.speed, TURNS * viscous]);
+            let [bristle, viscous] = S::gains([TURNS * bristle / units.speed, TURNS * viscous]);
             Deceleration { bristle, viscous }
         };
         let level = &design.level;
         let friction_projection = |[motor, output]: [f64; 2]| {
-            S::weights([by_motor * motor / SIGMAS, by_output * output / SIGMAS])
+            S::gains([by_motor * motor / SIGMAS, by_output * output / SIGMAS])
         };
         let [outlier, ..] = sigma;
         let outlier = (design.outlier.min(design.gate) * outlier).min(MOST_INNOVATION);
@@ -355,7 +355,9 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             flux: S::gain(TURNS * by_current * design.flux * units.speed),
             deceleration: deceleration(level.rotor),
             decelerations: level.stages.map(deceleration),
-            mean_deceleration: level.smoothing.map(|share| S::gain(over_turns(share))),
+            mean_deceleration: level
+                .smoothing
+                .map(|share| S::gain(1.0 - (1.0 - share) * (1.0 - share))),
             friction_projection: level.projection.map(friction_projection),
             level: level.gain.map(|gain| S::gain(SIGMAS * gain * units.speed)),
             most_friction_projection: S::from_f64(level.most_projection / SIGMAS),
@@ -377,10 +379,10 @@ impl<S: Scalar, const N: usize> Gains<S, N> {
             smoothing: S::gain(design.smoothing),
             alarm: S::from_f64(design.alarm),
             hold: design.hold,
-            alarm_rate: S::gain(over_turns(design.alarm_rate)),
+            alarm_rate: S::gain(design.alarm_rate),
             varying: (S::from_f64(design.varying.0), design.varying.1),
             settled: design.settled,
-            settle: S::gain(over_turns(1.0 / f64::from(design.settled.max(2)))),
+            settle: S::gain(1.0 / f64::from(design.settled.max(2))),
             inconsistent: S::from_f64(design.inconsistent / (SIGMAS * SIGMAS)),
             most_mean_square: S::from_f64(4.0 * design.inconsistent / (SIGMAS * SIGMAS)),
             most_load: S::from_f64(design.most_load_nm * libm::fabs(shaft) / units.torque),
@@ -425,11 +427,6 @@ fn reached(motor: &Motor, step_s: f64, steps: f64) -> f64 {
 
 /// What is slow is learned, and the friction that is learned acts, in two halves that take turns.
 const TURNS: f64 = 2.0;
-
-/// The share by which a running mean follows in both turns together.
-fn over_turns(share: f64) -> f64 {
-    1.0 - (1.0 - share) * (1.0 - share)
-}
 
 /// Innovations are counted in this many standard deviations: what is believed of them then stays
 /// within one in fixed point.

@@ -31,9 +31,6 @@ impl Status {
     /// There is no estimate: no rotor angle has come yet, or for too long.
     pub const LOST: Status = Status(1 << 9);
 
-    /// No rotor angle was accepted; within an update alone.
-    pub(super) const UNMEASURED: Status = Status(1 << 15);
-
     /// Each flag with its name, the gravest first.
     pub const NAMES: [(Status, &'static str); 10] = [
         (Status::LOST, "lost"),
@@ -54,24 +51,11 @@ impl Status {
         self.0 & flags.0 == flags.0
     }
 
-    /// Whether one of these flags is set.
-    #[inline(always)]
-    pub(super) const fn has_any(self, flags: Status) -> bool {
-        self.0 & flags.0 != 0
-    }
-
     /// With these flags set.
     #[inline(always)]
     #[must_use]
     pub const fn with(self, flags: Status) -> Self {
         Self(self.0 | flags.0)
-    }
-
-    /// Without these flags.
-    #[inline(always)]
-    #[must_use]
-    pub(super) const fn without(self, flags: Status) -> Self {
-        Self(self.0 & !flags.0)
     }
 
     /// With these flags set where that is so.

@@ -4,7 +4,6 @@
 //! and supplies that dip. What is no measurement is flagged and gives no innovation; a voltage that was
 //! not the one asked for is estimated at once.
 
-use super::acquire::MOST_OUTPUT_COASTED;
 use super::column::CHANNELS;
 use super::gains::{Gains, Whiten};
 use super::health::Status;
@@ -18,18 +17,28 @@ use crate::scalar::Real;
 /// moves has dozens.
 const OUTLIERS: u16 = 64;
 
+/// What a sample shows beside the estimate.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Innovations<S> {
+    pub(super) innovations: [S; CHANNELS],
+    pub(super) status: Status,
+    /// Whether no rotor angle was accepted.
+    pub(super) unmeasured: bool,
+}
+
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none; and the flags that
-    /// go with them, [`Status::UNMEASURED`] too.
+    /// go with them.
     #[inline(always)]
     pub(super) fn innovations(
         &self,
         track: &mut Track<S, N>,
         sample: &Sample<S>,
-    ) -> ([S; CHANNELS], Status) {
+    ) -> Innovations<S> {
         let gains = &self.gains;
         let [by_current, by_motor, by_output] = &gains.whiten;
         let mut status = Status::OK;
+        let mut unmeasured = true;
         let mut innovations = [S::ZERO; CHANNELS];
         let [current, motor, output] = &mut innovations;
 
@@ -39,17 +48,22 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 *motor = ahead.times(by_motor.per_sigma);
                 track.missing.motor = 0;
                 track.missing.rejected = 0;
+                unmeasured = false;
             }
-            Some(_) if sample.motor == track.last.motor && repeats(sample, &track.last) => {
+            Some(_) if repeats(sample, &track.last) => {
                 track.missing.motor = track.missing.motor.saturating_add(1);
-                return (innovations, Status::REPEATED.with(Status::UNMEASURED));
+                return Innovations {
+                    status: Status::REPEATED,
+                    unmeasured: true,
+                    ..Innovations::default()
+                };
             }
             Some(_) => {
-                status = status.with(Status::GLITCH).with(Status::UNMEASURED);
+                status = status.with(Status::GLITCH);
                 track.missing.rejected = track.missing.rejected.saturating_add(1);
             }
             None => {
-                status = status.with(Status::COASTING).with(Status::UNMEASURED);
+                status = status.with(Status::COASTING);
                 track.missing.motor = track.missing.motor.saturating_add(1);
             }
         }
@@ -64,10 +78,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 track.missing.output = 0;
             } else {
                 status = status.with(Status::GLITCH);
-                self.miss_output(track);
+                track.missing.output = track.missing.output.saturating_add(1);
             }
         } else {
-            self.miss_output(track);
+            track.missing.output = track.missing.output.saturating_add(1);
         }
 
         if !self.joint.current_imposed {
@@ -90,23 +104,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
 
         // Four standard deviations.
         let eighth = S::HALF * S::HALF * S::HALF;
-        if motor.abs() > eighth * S::HALF
-            && sample.motor == track.last.motor
-            && repeats(sample, &track.last)
-        {
-            return ([S::ZERO; CHANNELS], Status::REPEATED);
+        if motor.abs() > eighth * S::HALF && repeats(sample, &track.last) {
+            return Innovations { status: Status::REPEATED, ..Innovations::default() };
         }
-        (innovations, status)
-    }
-
-    /// Counts an output angle that is missing. How long ago the last rest was is not kept while there are
-    /// some.
-    #[inline(always)]
-    fn miss_output(&self, track: &mut Track<S, N>) {
-        track.missing.output = track.missing.output.saturating_add(1);
-        if track.missing.output == MOST_OUTPUT_COASTED {
-            track.schedule.after_rest = self.gains.settled;
-        }
+        Innovations { innovations, status, unmeasured }
     }
 
     /// A current that is off by more than the design has it: what there is to correct by.
@@ -123,7 +124,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             track.electrical.confirmed.saturating_sub(gains.confirmed / OUTLIERS + 1);
         if track.electrical.confirmed < gains.confirmed {
             let [Whiten { gate, .. }, ..] = gains.whiten;
-            return limited(ahead, gate);
+            return if ahead.abs() > gate { at_bound(ahead, gate) } else { ahead };
         }
         let undisturbed = self.undisturbed(track);
         track.innovation.square = gains.most_mean_square;
@@ -151,8 +152,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
 }
 
 /// Whether a sample shows the very same measurements as the one before.
-#[cold]
-#[inline(never)]
+#[inline(always)]
 fn repeats<S: Real>(sample: &Sample<S>, last: &Sample<S>) -> bool {
     sample.motor == last.motor && sample.output == last.output && sample.current == last.current
 }
@@ -164,8 +164,9 @@ pub(super) fn motor_ahead<S: Real, const N: usize, E: Effects<S>>(
     state: &State<S, N>,
     turn: Turn,
 ) -> S {
-    let shown = effects.shown_part(false, state.angle, state.rotor.speed, &state.memory);
-    S::turn_counts_ahead(turn.0 as i32, shown)
+    let error = effects.encoder_error(false, state.angle, state.rotor.speed, &state.memory);
+    let shown = state.angle.part + error;
+    (S::from_turn_counts(turn.0 as i32) - shown).split_turns().1
 }
 
 /// By how much the measured output angle is ahead of the estimated one, in turns of the output.
@@ -177,44 +178,28 @@ fn output_ahead<S: Real, const N: usize, E: Effects<S>>(
     state: &State<S, N>,
     turn: Turn,
 ) -> S {
-    let wound = state.stages.iter().map(|stage| stage.deflection);
-    let wound = wound.reduce(|sum, deflection| sum + deflection).unwrap_or(S::ZERO);
+    let wound = state.stages.iter().fold(S::ZERO, |sum, stage| sum + stage.deflection);
     let part = (state.angle.part - wound.times(turns)).times(gains.shaft);
     let speed = state.stages.last().map_or(S::ZERO, |stage| stage.mass.speed);
     let angle = crate::angle::Angle { part, ..Default::default() };
-    let shown = effects.shown_part(true, angle, speed, &state.memory);
-    S::turn_counts_ahead(turn.ahead_of(gains.geared.turn(state.angle.whole)), shown)
+    let shown = part + effects.encoder_error(true, angle, speed, &state.memory);
+    let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
+    (beyond - shown).split_turns().1
 }
 
-/// A value held to its bound; zero for what is no number.
+/// The bound that a value is past.
 #[cold]
 #[inline(never)]
-fn at_bound<S: Real>(value: S, most: S) -> S {
-    if value.abs() <= most {
-        value
-    } else if value > S::ZERO {
-        most
-    } else if value < S::ZERO {
-        -most
-    } else {
-        S::ZERO
-    }
+pub(super) fn at_bound<S: Real>(value: S, most: S) -> S {
+    if value < S::ZERO { -most } else { most }
 }
 
-/// A value held to its bound.
+/// Holds a value to its bound; answers whether it was past it.
 #[inline(always)]
-pub(super) fn limited<S: Real>(value: S, most: S) -> S {
-    if value.abs() <= most { value } else { at_bound(value, most) }
-}
-
-/// Holds values to their bounds; answers whether one was past it or no number.
-#[inline(always)]
-pub(super) fn bounded<S: Real, const K: usize>(values: [(&mut S, S); K]) -> bool {
-    if values.iter().all(|(value, most)| value.abs() <= *most) {
-        return false;
-    }
-    for (value, most) in values {
+pub(super) fn bounded<S: Real>(value: &mut S, most: S) -> bool {
+    let past = value.abs() > most;
+    if past {
         *value = at_bound(*value, most);
     }
-    true
+    past
 }

@@ -8,8 +8,8 @@ use super::adapt::{Adapting, STILL};
 use super::column::{CHANNELS, Column};
 use super::gains::Regime;
 use super::health::Status;
-use super::innovation::bounded;
-use super::{Missing, Observer, Sample, Track};
+use super::innovation::{Innovations, bounded};
+use super::{Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::{Input, State};
 use crate::scalar::Real;
@@ -65,28 +65,28 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
 
     #[inline(always)]
     fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>, beside: S) -> Status {
-        let (innovations, status) = self.innovations(track, sample);
-        if status.has(Status::REPEATED) {
-            return self.repeated(track, status);
+        let Innovations { innovations, status, unmeasured } = self.innovations(track, sample);
+        if status == Status::REPEATED {
+            return self.repeated(track, unmeasured);
         }
         let output = N > 0 && track.missing.output < MOST_OUTPUT_COASTED;
         self.detect(track, &innovations, output);
-        let row = self.schedule(track, output);
-        let held = track.schedule.regime == Regime::Held;
+        let held = track.state.rotor.bristle.slipping < S::HALF;
+        let row = self.schedule(track, held, output);
         let running = [track.state.current, track.state.rotor.speed];
         if let Some(set) = self.gains.sets.get(row) {
             self.apply(track, set, &innovations);
         }
         let by = Adapting { innovations: &innovations, running, beside, held, output };
-        let status = status.with_if(self.adapt(track, &by), Status::BOUNDED);
-        let status = status.with_if(self.bound(track), Status::BOUNDED);
-        self.judged(track, status, output)
+        let at_bound = self.adapt(track, &by) | self.bound(track);
+        let status = status.with_if(at_bound, Status::BOUNDED);
+        self.judged(track, status, unmeasured, output)
     }
 
     /// What is left out as the sample before once more.
     #[inline(always)]
-    fn repeated(&self, track: &mut Track<S, N>, status: Status) -> Status {
-        let silent = status.has(Status::UNMEASURED) && track.missing.motor > MOST_COASTED;
+    fn repeated(&self, track: &mut Track<S, N>, unmeasured: bool) -> Status {
+        let silent = unmeasured && track.missing.motor > MOST_COASTED;
         // The slope of the load goes on.
         let at_bound = self.bound(track);
         if silent {
@@ -107,29 +107,27 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let [a, b, c] = if output { with } else { without };
         let [by_current, by_motor, by_output] = *innovations;
         let projection = S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]);
+        let square = by_current * by_current + by_motor * by_motor + by_output * by_output;
+        let square = if square > gains.most_mean_square { gains.most_mean_square } else { square };
         let mean = &mut track.innovation;
         mean.projection = mean.projection + (projection - mean.projection).times(gains.smoothing);
+        mean.square = mean.square + (square - mean.square).times(gains.settle);
         let own = &mut track.schedule;
-        let alarm = mean.projection.abs() > gains.alarm;
-        own.transient = if alarm { gains.hold } else { own.transient.saturating_sub(1) };
-        // What is slow by turns, as what is learned.
-        if track.adapts_friction {
-            let square = S::sum_of_squares([by_current, by_motor, by_output]);
-            let most = gains.most_mean_square;
-            let square = if square > most { most } else { square };
-            mean.square = mean.square + (square - mean.square).times(gains.settle);
+        let forgotten = own.alarm_rate.times(gains.alarm_rate);
+        if mean.projection.abs() > gains.alarm {
+            own.transient = gains.hold;
+            own.alarm_rate = own.alarm_rate - forgotten + S::ONE.times(gains.alarm_rate);
         } else {
-            let alarm = if alarm { S::ONE } else { S::ZERO };
-            own.alarm_rate = own.alarm_rate + (alarm - own.alarm_rate).times(gains.alarm_rate);
-            let (most, hold) = gains.varying;
-            own.varying = if own.alarm_rate > most { hold } else { own.varying.saturating_sub(2) };
+            own.transient = own.transient.saturating_sub(1);
+            own.alarm_rate = own.alarm_rate - forgotten;
         }
+        let (most, hold) = gains.varying;
+        own.varying = if own.alarm_rate > most { hold } else { own.varying.saturating_sub(1) };
     }
 
     /// The regime and its row of gains.
     #[inline(always)]
-    fn schedule(&self, track: &mut Track<S, N>, output: bool) -> usize {
-        let held = track.state.rotor.bristle.slipping < S::HALF;
+    fn schedule(&self, track: &mut Track<S, N>, held: bool, output: bool) -> usize {
         let last = track.state.stages.last();
         let hardened = last.is_some_and(|stage| stage.deflection.abs() > self.gains.hardened);
         let own = &mut track.schedule;
@@ -152,12 +150,18 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     fn bound(&self, track: &mut Track<S, N>) -> bool {
         let own = &mut track.disturbance;
-        bounded([(&mut own.load, self.gains.most_load), (&mut own.bias, self.gains.most_bias)])
+        bounded(&mut own.load, self.gains.most_load) | bounded(&mut own.bias, self.gains.most_bias)
     }
 
     /// Health, and a new start where there is no estimate.
     #[inline(always)]
-    fn judged(&self, track: &mut Track<S, N>, status: Status, output: bool) -> Status {
+    fn judged(
+        &self,
+        track: &mut Track<S, N>,
+        status: Status,
+        unmeasured: bool,
+        output: bool,
+    ) -> Status {
         let gains = &self.gains;
         let starting = track.age < gains.settled;
         if starting {
@@ -166,38 +170,18 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let status = status
             .with_if(starting, Status::STARTING)
             .with_if(track.innovation.square > gains.inconsistent, Status::MISMATCH)
-            .with_if(!output && track.schedule.held > STILL, Status::UNOBSERVABLE);
-        let mut status = status;
-        let mut sound = track.state.rotor.speed.abs() <= gains.most_speed;
-        if status.has_any(Status::UNMEASURED.with(Status::BOUNDED).with(Status::GLITCH)) {
-            let Missing { motor, rejected, .. } = track.missing;
-            let measured = !status.has(Status::UNMEASURED)
-                || motor <= MOST_COASTED && rejected <= MOST_REJECTED;
-            status = status.without(Status::UNMEASURED);
-            sound &= measured && self.is_sound(&track.state);
+            .with_if(track.schedule.held > STILL && !output, Status::UNOBSERVABLE);
+        let silent = unmeasured && track.missing.motor > MOST_COASTED;
+        let lost = silent || unmeasured && track.missing.rejected > MOST_REJECTED;
+        let sound = track.state.rotor.speed.abs() <= gains.most_speed;
+        if lost || !sound {
+            self.restart(track);
         }
-        if sound { status } else { self.begun_anew(track, status) }
-    }
-
-    /// Whether what is behind the rotor moves as a joint may: asked where an angle is not measured, or the
-    /// load that would explain it all is at its bound.
-    #[inline(always)]
-    fn is_sound(&self, state: &State<S, N>) -> bool {
-        let most = self.gains.most_speed;
-        state.stages.iter().all(|stage| stage.mass.speed.abs() <= most)
-    }
-
-    /// A new start where no rotor angle was accepted for too long, or the state is none.
-    #[cold]
-    #[inline(never)]
-    fn begun_anew(&self, track: &mut Track<S, N>, status: Status) -> Status {
-        let silent = track.missing.motor > MOST_COASTED;
-        self.restart(track);
         status.with_if(silent, Status::LOST)
     }
 
-    /// Adds the gains times the innovations, and to the forces that the step keeps for its first kick what
-    /// follows from them by the springs' stiffness.
+    /// Adds the gains times the innovations, and to the forces that the step keeps what follows from
+    /// them by the springs' tangents.
     #[inline(always)]
     fn apply(
         &self,
@@ -206,46 +190,38 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         innovations: &[S; CHANNELS],
     ) {
         let [by_current, by_motor, by_output] = *innovations;
-        macro_rules! correct {
-            ($value:expr, $a:expr, $b:expr) => {
-                $value = $value.corrected([(by_current, $a), (by_motor, $b)])
-            };
-            ($value:expr, $a:expr, $b:expr, $c:expr) => {
-                match N {
-                    0 => correct!($value, $a, $b),
-                    _ => {
-                        let terms = [(by_current, $a), (by_motor, $b), (by_output, $c)];
-                        $value = $value.corrected(terms);
-                    }
-                }
+        let both = |a, b| S::weighed_sum([(by_current, a), (by_motor, b)]);
+        let sum = |a, b, c| match N {
+            0 => both(a, b),
+            _ => S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]),
+        };
+        macro_rules! sum {
+            ($field:ident) => {
+                sum(&first.$field, &second.$field, &third.$field)
             };
         }
         let State { current, angle, rotor, stages, .. } = &mut track.state;
         // The winding settles faster than an angle tells of it: the output's has no say in what is
         // electrical.
-        correct!(*current, &first.current, &second.current);
+        *current = *current + both(&first.current, &second.current);
         // The next step's sum wraps it.
-        correct!(angle.part, &first.angle, &second.angle, &third.angle);
-        correct!(rotor.speed, &first.speed, &second.speed, &third.speed);
+        angle.part = angle.part + sum!(angle);
+        rotor.speed = rotor.speed + sum!(speed);
         let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
         let mut before = &mut rotor.force;
         for ((stage, own), ((a, b), c)) in stages.iter_mut().zip(&self.joint.stages).zip(rows) {
-            let wound = S::weighed_sum([
-                (by_current, &a.deflection),
-                (by_motor, &b.deflection),
-                (by_output, &c.deflection),
-            ]);
-            let torque = own.spring.stiffness() * wound;
+            let wound = sum(&a.deflection, &b.deflection, &c.deflection);
+            let torque = own.spring.slope(stage.deflection) * wound;
             stage.deflection = stage.deflection + wound;
             let mass = &mut stage.mass;
-            correct!(mass.speed, &a.speed, &b.speed, &c.speed);
+            mass.speed = mass.speed + sum(&a.speed, &b.speed, &c.speed);
             *before = *before - torque;
             mass.force = mass.force + torque;
             before = &mut mass.force;
         }
         let own = &mut track.disturbance;
-        correct!(own.load, &first.load, &second.load, &third.load);
-        correct!(own.slope, &first.slope, &second.slope, &third.slope);
-        correct!(own.bias, &first.bias, &second.bias);
+        own.load = own.load + sum!(load);
+        own.slope = own.slope + sum!(slope);
+        own.bias = own.bias + both(&first.bias, &second.bias);
     }
 }
