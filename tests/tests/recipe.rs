@@ -130,8 +130,12 @@ fn with_brake(plain: &Tree) -> Tree {
 /// not take the place of the workspace's in the build folder that they share.
 fn with_own_version(mut files: Tree) -> Tree {
     let own = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));
-    for file in ["Cargo.toml", "Cargo.lock"] {
-        let bytes = files.get_mut(Path::new(file)).unwrap_or_else(|| panic!("no {file}"));
+    // Packages of the workspace ask for each other by version as well as by path.
+    let manifests =
+        files.keys().filter(|path| path.file_name().is_some_and(|own| own == "Cargo.toml"));
+    let asking: Vec<PathBuf> = manifests.cloned().collect();
+    for file in asking.iter().map(PathBuf::as_path).chain([Path::new("Cargo.lock")]) {
+        let bytes = files.get_mut(file).unwrap_or_else(|| panic!("no {}", file.display()));
         let text = String::from_utf8(bytes.clone()).unwrap();
         // A package of a registry has a source, one of the workspace none.
         let packages = text.split("\n\n").map(|package| match package.contains("\nsource = ") {

@@ -79,7 +79,12 @@ fn teeth_first<S: Scalar>(laws: &mut [Effect<S>]) {
     let mut ahead = 0;
     for k in 0..laws.len() {
         if let Some(Effect::TransmissionError(_)) = laws.get(k) {
-            laws.get_mut(ahead..=k).unwrap_or_default().rotate_right(1);
+            for at in (ahead..k).rev() {
+                let (before, after) = laws.split_at_mut_checked(at + 1).unwrap_or_default();
+                if let (Some(one), Some(other)) = (before.last_mut(), after.first_mut()) {
+                    core::mem::swap(one, other);
+                }
+            }
             ahead += 1;
         }
     }

@@ -15,7 +15,8 @@ pub(crate) const MIDDLE: f64 = 2.0 / 3.0;
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// What a limit of the current leaves of the drive's voltage over a kick: the settled current is taken
     /// at the speed in its middle. `emf` is a back-EMF beside the plain one, given as a speed.
-    #[inline(always)]
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn limited(&self, kick: &RotorKick<S>, rotor: &Mass<S>, current: S, drive: S, emf: S) -> S {
         let (ended, _) = kick.apply::<0>(rotor.speed, current, rotor.force, rotor.damping, drive);
         let middle = (rotor.speed + ended) * S::HALF;
@@ -44,12 +45,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         }
         let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
         let Driven { mut force, lagging, emf } =
-            self.driven::<WHICH>(kick, angle, rotor.force, [speed, current, drive]);
+            self.driven((WHICH, kick), angle, rotor.force, [speed, current, drive]);
         if limited && self.effects.has_constants() {
             drive = self.limited(kick, rotor, current, input.drive, emf);
         }
         if self.effects.has_drops() && !self.current_imposed {
-            (force, drive) = self.dropped::<WHICH>(state, angle, drive);
+            (force, drive) = self.dropped(WHICH, state, angle, drive);
         }
         let rotor = &mut state.rotor;
         let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
@@ -72,18 +73,14 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// Force and drive of a kick under the voltage that is lost on the way to the winding.
-    #[inline(never)]
-    fn dropped<const WHICH: usize>(
-        &self,
-        state: &State<S, N>,
-        angle: Angle<S>,
-        drive: S,
-    ) -> (S, S) {
-        let kick = if WHICH == 1 { &self.middle } else { &self.outer };
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    fn dropped(&self, which: usize, state: &State<S, N>, angle: Angle<S>, drive: S) -> (S, S) {
+        let kick = if which == 1 { &self.middle } else { &self.outer };
         let (Mass { speed, damping, force, .. }, current) = (state.rotor, state.current);
-        let driven = |drive| self.driven::<WHICH>(kick, angle, force, [speed, current, drive]);
+        let driven = |drive| self.driven((which, kick), angle, force, [speed, current, drive]);
         let Driven { force, lagging, .. } = driven(drive);
-        let (_, ended) = kick.apply::<WHICH>(speed, current, force, damping, drive);
+        let (_, ended) = kick.apply::<0>(speed, current, force, damping, drive);
         let at = Winding { current: ended + lagging, per_drop: kick.approach(), drive };
         let left = drive - self.effects.voltage_drop(at, &state.memory);
         // Saturation is that of the current which the drop leaves.
@@ -96,19 +93,33 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
     /// A force on the rotor with what effects on the motor constants add at a speed, a current and a drive.
     #[inline(always)]
-    fn driven<const WHICH: usize>(
+    fn driven(
         &self,
-        kick: &RotorKick<S>,
+        kick: (usize, &RotorKick<S>),
+        angle: Angle<S>,
+        force: S,
+        at: [S; 3],
+    ) -> Driven<S> {
+        match self.effects.has_constants() {
+            true => self.with_constants(kick, angle, force, at),
+            false => Driven { force, lagging: S::ZERO, emf: S::ZERO },
+        }
+    }
+
+    /// The same where there are such effects. On a chip there is one copy, since flash is short; a host's lanes need it
+    /// in place.
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    fn with_constants(
+        &self,
+        (which, kick): (usize, &RotorKick<S>),
         angle: Angle<S>,
         force: S,
         [speed, current, drive]: [S; 3],
     ) -> Driven<S> {
-        if !self.effects.has_constants() {
-            return Driven { force, lagging: S::ZERO, emf: S::ZERO };
-        }
         // The winding follows an EMF that changes over the kick as it follows a speed that does.
         let turned = speed.times(self.kick_turn);
-        let [from, to] = match WHICH {
+        let [from, to] = match which {
             0 => [angle, angle.ahead(turned)],
             1 => [angle.ahead(-(turned + turned)), angle.ahead(turned + turned)],
             _ => [angle.ahead(-turned), angle],
