@@ -85,10 +85,10 @@ fn every_format_looks_up_the_same_torque_and_the_same_level() {
 }
 
 #[test]
-fn a_joint_takes_two_tables() {
+fn a_joint_takes_one_table() {
     let map = tabled(Kind::TorqueMap, Location::Motor, [&[0.0, 1e-3], &[]]);
     let map = map.with("period_rad", 1.0);
     let check = |count: usize| joint_core::effect::validate(&vec![map; count], 0);
-    assert_eq!(check(2), Ok(()));
-    assert_eq!(check(3).unwrap_err().reason, Reason::TooManyTables { most: 2 });
+    assert_eq!(check(1), Ok(()));
+    assert_eq!(check(2).unwrap_err().reason, Reason::TooManyTables { most: 1 });
 }

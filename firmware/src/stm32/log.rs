@@ -10,7 +10,7 @@ use core::sync::atomic::AtomicU8;
 use crate::rtt::{Channel, ControlBlock, Ring};
 
 static EVENTS: Ring<512> = [const { AtomicU8::new(0) }; 512];
-static TELEMETRY: Ring<2048> = [const { AtomicU8::new(0) }; 2048];
+static TELEMETRY: Ring<1024> = [const { AtomicU8::new(0) }; 1024];
 static NOTHING: Ring<2> = [const { AtomicU8::new(0) }; 2];
 static COMMANDS: Ring<128> = [const { AtomicU8::new(0) }; 128];
 

@@ -16,7 +16,7 @@ use crate::scalar::Scalar;
 /// Most knots of one table, those of both directions counted.
 pub const MAX_KNOTS: usize = 64;
 /// Most tables of one joint.
-pub const MAX_TABLES: usize = 2;
+pub const MAX_TABLES: usize = 1;
 /// Numbers of a table: a periodic curve has its first knot again at its end.
 const ROOM: usize = MAX_KNOTS + 2;
 
