@@ -35,13 +35,9 @@ fn joint(kinds: &[Kind]) -> ReplayedJoint<2> {
 #[test]
 fn a_table_comes_back_with_its_law() {
     use Kind::{Cogging, FrictionCourse, TorqueMap};
-    for kinds in [
-        &[][..],
-        &[Cogging],
-        &[TorqueMap],
-        &[Cogging, FrictionCourse],
-        &[TorqueMap, Cogging],
-    ] {
+    for kinds in
+        [&[][..], &[Cogging], &[TorqueMap], &[Cogging, FrictionCourse], &[TorqueMap, Cogging]]
+    {
         let joint = joint(kinds);
         let mut bytes = [0; block::PAGE_BYTES];
         let length = block::encode(&joint, 2, &mut bytes).unwrap();

@@ -69,10 +69,8 @@ fn every_format_looks_up_the_same_torque_and_the_same_level() {
         vec![map(Location::Output, 2e-2).with("start_rad", -25.0).with("span_rad", 25.0)],
         vec![map(Location::Motor, -3e-3).with("speed_rad_per_s", 40.0)],
         vec![course(Location::Stage(1)).with("start_rad", -15.0).with("span_rad", 12.0)],
-        vec![
-            course(Location::Motor).with("period_rad", 1.3),
-            map(Location::Output, 1e-2).with("period_rad", 3.0),
-        ],
+        vec![course(Location::Motor).with("period_rad", 1.3)],
+        vec![map(Location::Output, 1e-2).with("period_rad", 3.0)],
     ] {
         let exact = speeds::<f64>(&effects);
         let moved = apart(&exact, &plain);
