@@ -90,12 +90,11 @@ fn every_effect_is_the_same_in_the_step_and_in_the_reference() {
     }
 }
 
-/// A limit of a fifth of the stall current, alone and beside what changes the voltage and the friction; beside a
-/// ripple of the motor's constants, whose EMF changes over a kick, the step has to be shorter.
+/// A limit of a fifth of the stall current, alone and beside what changes the voltage and the friction.
 #[test]
 fn a_limit_of_the_current_keeps_a_drive_step_within_one_per_cent() {
     let limit = EffectParameters::new(Kind::CurrentLimit, Location::Inverter).with("limit_a", 0.02);
-    let beside = [Kind::TorqueRipple, Kind::DeadTime, Kind::DriveEfficiency];
+    let beside = [Kind::DeadTime, Kind::DriveEfficiency];
     let pairs = beside.map(|kind| vec![limit, EffectParameters::example(kind)]);
     for effects in [vec![limit]].into_iter().chain(pairs) {
         let model = Model { effects, ..paper() };
@@ -104,9 +103,7 @@ fn a_limit_of_the_current_keeps_a_drive_step_within_one_per_cent() {
         let plain = reference::simulate(&paper(), &scenario.inputs(), &Options::default()).unwrap();
         let moved = Quantity::MotorSpeed.relative_rms(&plain, &exact);
         assert!(moved > 0.1, "the limit is not reached: {moved}");
-        let ripples = model.effects.iter().any(|effect| effect.kind == Kind::TorqueRipple);
-        let step_s = if ripples { 5e-6 } else { 50e-6 };
-        let error = worst(&errors(&model, &scenario, ScalarKind::F32, step_s));
+        let error = worst(&errors(&model, &scenario, ScalarKind::F32, 50e-6));
         let kinds: Vec<Kind> = model.effects.iter().map(|effect| effect.kind).collect();
         assert!(error < 0.01, "{kinds:?}: {error}");
     }
