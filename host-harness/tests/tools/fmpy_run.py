@@ -51,7 +51,7 @@ state = unit.getFMUState()
 kept = unit.serializeFMUState(state)
 unit.freeFMUState(state)
 rest = run(rows[half:])
-again = unit.deSerializeFMUState(kept)
+again = unit.deserializeFMUState(kept)
 unit.setFMUState(again)
 if run(rows[half:]) != rest:
     sys.exit("the run from the serialised state is another one")

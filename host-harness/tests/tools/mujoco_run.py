@@ -18,6 +18,8 @@ interval = rows[1]["t_s"] - rows[0]["t_s"]
 steps = math.ceil(interval / model.opt.timestep - 1e-9)
 model.opt.timestep = interval / steps
 drive, load = model.actuator("voltage_v"), model.actuator("load_torque")
+# Actuators of friction take no control.
+inputs = [model.actuator_ctrladr[own.id] for own in (drive, load)]
 # Of the motor's own states the current comes last.
 current = model.actuator_actadr[drive.id] + model.actuator_actnum[drive.id] - 1
 mujoco.mj_forward(model, data)
@@ -26,6 +28,6 @@ with open(sys.argv[3], "w", encoding="utf-8") as file:
     for row in rows:
         sensors = [repr(float(data.sensor(name).data[0])) for name in columns]
         print(repr(row["t_s"]), *sensors, repr(float(data.act[current])), sep=",", file=file)
-        data.ctrl[drive.id], data.ctrl[load.id] = row["u_v"], row["load_torque_nm"]
+        data.ctrl[inputs[0]], data.ctrl[inputs[1]] = row["u_v"], row["load_torque_nm"]
         for _ in range(steps):
             mujoco.mj_step(model, data)
