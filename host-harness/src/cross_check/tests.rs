@@ -90,11 +90,12 @@ fn every_effect_is_the_same_in_the_step_and_in_the_reference() {
     }
 }
 
-/// A limit of a fifth of the stall current, alone and beside what changes the voltage and the friction.
+/// A limit of a fifth of the stall current, alone and beside what changes the voltage, the constants and the
+/// friction.
 #[test]
 fn a_limit_of_the_current_keeps_a_drive_step_within_one_per_cent() {
     let limit = EffectParameters::new(Kind::CurrentLimit, Location::Inverter).with("limit_a", 0.02);
-    let beside = [Kind::DeadTime, Kind::DriveEfficiency];
+    let beside = [Kind::TorqueRipple, Kind::DeadTime, Kind::DriveEfficiency];
     let pairs = beside.map(|kind| vec![limit, EffectParameters::example(kind)]);
     for effects in [vec![limit]].into_iter().chain(pairs) {
         let model = Model { effects, ..paper() };

@@ -76,7 +76,9 @@ impl<S: Scalar> RotorKick<S> {
             constant * duration / effective * current / speed,
             braking / effective,
         ]);
-        let approach = 1.0 - decay;
+        // A voltage that is missing leaves speed missing, whose back-EMF gives back a part of it.
+        let regained = after * constant * (duration - integral) / effective;
+        let approach = 1.0 - decay - regained;
         let [after, before] = [after, before].map(|share| share * speed / current);
         let [decay, after, before] = S::gains([decay, after, before]);
         Self {
@@ -96,7 +98,7 @@ impl<S: Scalar> RotorKick<S> {
         }
     }
 
-    /// Share of a voltage held over the kick that the current has followed at its end.
+    /// Share of a voltage held over the kick that the current has followed at its end, the back-EMF included.
     #[inline(always)]
     pub(crate) fn approach(&self) -> S {
         self.approach

@@ -14,11 +14,14 @@ pub(crate) const MIDDLE: f64 = 2.0 / 3.0;
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// What a limit of the current leaves of the drive's voltage over a kick: the settled current is taken
-    /// at the speed in its middle. `emf` is a back-EMF beside the plain one, given as a speed.
+    /// at the speed in its middle, under this force and what `beside` the limit takes off the voltage or
+    /// adds to the back-EMF.
     #[cfg_attr(target_os = "none", inline(never))]
     #[cfg_attr(not(target_os = "none"), inline(always))]
-    fn limited(&self, kick: &RotorKick<S>, rotor: &Mass<S>, current: S, drive: S, emf: S) -> S {
-        let (ended, _) = kick.apply::<0>(rotor.speed, current, rotor.force, rotor.damping, drive);
+    fn limited(&self, kick: &RotorKick<S>, rotor: &Mass<S>, drive: [S; 2], beside: Beside<S>) -> S {
+        let [current, drive] = drive;
+        let Beside { force, drop, emf } = beside;
+        let (ended, _) = kick.apply::<0>(rotor.speed, current, force, rotor.damping, drive - drop);
         let middle = (rotor.speed + ended) * S::HALF;
         let excess = self.effects.excess(drive - kick.induced_current(middle + emf));
         // Without the torque that is taken the rotor falls short of that speed.
@@ -41,16 +44,29 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let mut drive = input.drive;
         let limited = self.effects.has_limit() && !self.current_imposed;
         if limited {
-            drive = self.limited(kick, rotor, state.current, drive, S::ZERO);
+            let beside = Beside { force: rotor.force, drop: S::ZERO, emf: S::ZERO };
+            drive = self.limited(kick, rotor, [state.current, drive], beside);
         }
-        let (speed, current, damping) = (rotor.speed, state.current, rotor.damping);
-        let Driven { mut force, lagging, emf } =
-            self.driven((WHICH, kick), angle, rotor.force, [speed, current, drive]);
+        let Mass { speed, damping, force: held, .. } = *rotor;
+        let current = state.current;
+        let at = (WHICH, kick);
+        let mut driven = self.driven(at, angle, held, [speed, current, drive]);
         if limited && self.effects.has_constants() {
-            drive = self.limited(kick, rotor, current, input.drive, emf);
+            let Driven { force, emf, .. } = driven;
+            let beside = Beside { force, drop: S::ZERO, emf };
+            drive = self.limited(kick, rotor, [current, input.drive], beside);
+            driven = self.driven(at, angle, held, [speed, current, drive]);
         }
+        let Driven { mut force, lagging, emf } = driven;
         if self.effects.has_drops() && !self.current_imposed {
-            (force, drive) = self.dropped(WHICH, state, angle, drive);
+            let mut left;
+            (force, left) = self.dropped(WHICH, state, angle, drive);
+            if limited {
+                let beside = Beside { force, drop: drive - left, emf };
+                drive = self.limited(kick, &state.rotor, [current, input.drive], beside);
+                (force, left) = self.dropped(WHICH, state, angle, drive);
+            }
+            drive = left;
         }
         let rotor = &mut state.rotor;
         let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
@@ -135,6 +151,15 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             emf: (emf[0] + emf[1]) * S::HALF,
         }
     }
+}
+
+/// What acts on the rotor beside a limit of the current.
+struct Beside<S> {
+    force: S,
+    /// Taken off the voltage, as a settled current.
+    drop: S,
+    /// Added to the back-EMF, as a speed.
+    emf: S,
 }
 
 /// What effects on the motor constants make of a kick.
