@@ -1,43 +1,31 @@
 //! Host side of the joint: logs and model files, the f64 reference, refitting, discovery, reports.
 
-pub mod acting;
 pub mod cli;
 pub mod cross_check;
 pub mod datasheet;
 pub mod demo;
 pub mod discover;
-pub mod encoders;
-pub mod energy;
-pub mod estimate;
 pub mod export;
-pub mod fault;
-pub mod grid;
 pub mod identify;
 pub mod import;
-pub mod inputs;
-pub mod interrupt;
-pub mod lanes;
-pub mod layout;
-pub mod log;
-pub mod model;
 pub mod observe;
 pub mod output;
 pub mod planetary;
-pub mod plant;
 pub mod plot;
 pub mod preflight;
 pub mod probe;
-pub mod reference;
 pub mod report;
 pub mod reproduce;
-pub mod scenario;
 pub mod score;
-
 pub mod simulated;
-pub mod standard;
 pub mod start;
-pub mod synthetic;
 mod terminal;
 pub mod transfer;
 pub mod verb;
-mod wide;
+
+pub use joint_estimation as estimate;
+pub use joint_estimation::interrupt;
+pub use joint_simulation::{
+    acting, encoders, energy, fault, grid, inputs, lanes, layout, log, model, plant, reference,
+    scenario, standard, synthetic,
+};

@@ -96,7 +96,7 @@ fn every_effect_is_hidden_by_the_benchmark_or_a_reason_says_why_not() {
     for &kind in Kind::ALL {
         let (name, place) = (kind.spec().kind, card_file(kind));
         let mut random = ChaCha8Rng::seed_from_u64(3);
-        let effect = synthetic::hidden(kind, &plain, 1.0, 0.4, &mut random);
+        let effect = host_harness::discover::hidden::hidden(kind, &plain, 1.0, 0.4, &mut random);
         if let Benchmark::Left(reason) = card(kind).benchmark {
             assert!(effect.is_none() && reason.len() > 20, "{name}: no reason in {place}");
             continue;

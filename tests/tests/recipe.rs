@@ -93,6 +93,16 @@ fn collect(root: &Path, within: &Path, all: &mut Tree) {
     }
 }
 
+/// What has the host's crates compiled with less optimisation and without checks.
+fn quick() -> Vec<String> {
+    let crates = ["host-harness", "joint-estimation", "joint-simulation"];
+    let less = ["opt-level=1", "debug=false", "overflow-checks=false", "debug-assertions=false"];
+    let each = crates.iter().flat_map(|name| {
+        less.iter().map(move |setting| format!("profile.test.package.{name}.{setting}"))
+    });
+    each.flat_map(|setting| ["--config".to_owned(), setting]).collect()
+}
+
 /// Makes a folder hold these files and no others; one that is right already keeps its age, so that
 /// cargo finds it as it was.
 fn write(files: &Tree, folder: &Path) {
@@ -236,10 +246,7 @@ fn the_recipe_for_an_effect_is_two_files_and_a_row_and_discover_names_it() {
         .env("CARGO_TARGET_DIR", folder.join("target"))
         .env("CARGO_INCREMENTAL", "0")
         // Compiling takes most of the time, and the search is fast enough with less of it.
-        .args(["--config", "profile.test.package.host-harness.opt-level=1"])
-        .args(["--config", "profile.test.package.host-harness.debug=false"])
-        .args(["--config", "profile.test.package.host-harness.overflow-checks=false"])
-        .args(["--config", "profile.test.package.host-harness.debug-assertions=false"])
+        .args(quick())
         .args(["test", "--locked", "--workspace", "--test", "effects", "--test", "docs"]));
     assert!(passed.contains("every_law_acts_at_the_size_of_its_example ... ok"), "{passed}");
 

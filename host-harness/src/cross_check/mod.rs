@@ -11,7 +11,6 @@
 mod bound;
 mod page;
 pub mod pareto;
-mod quantity;
 mod random;
 mod speed;
 mod table;
@@ -19,7 +18,7 @@ mod table;
 mod tests;
 
 pub use bound::{BETWEEN_REFERENCES, bound, fixed_bound};
-pub use quantity::Quantity;
+pub use joint_simulation::quantity::Quantity;
 pub use random::{Plant, Random};
 pub use speed::Speed;
 

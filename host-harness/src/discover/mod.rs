@@ -22,6 +22,7 @@ pub mod force;
 mod fork;
 pub mod gate;
 mod gear_or_encoder;
+pub mod hidden;
 mod hope;
 pub mod hypothesis;
 pub mod lines;

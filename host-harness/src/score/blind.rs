@@ -15,10 +15,11 @@ use rand_chacha::ChaCha8Rng;
 use super::{Case, TrueEffect};
 use crate::demo::actuator;
 use crate::discover::findings::Answer;
+use crate::discover::hidden::{hidden, kinds};
 use crate::log::Log;
 use crate::model::{Model, Sensor};
 use crate::reference::ReferenceError;
-use crate::synthetic::{Experiment, hidden, kinds, perturbed, record};
+use crate::synthetic::{Experiment, perturbed, record};
 
 /// Length of a log, s.
 const DURATION_S: f64 = 2.0;

@@ -14,13 +14,14 @@ use super::Case;
 use super::blind::{Trial, rig, told};
 use super::misfits::{Misfits, breakaway_at_output_nm, rubbing_otherwise};
 use crate::discover::findings::Answer;
+use crate::discover::hidden::{hidden, kinds, kinds_of_wide_draws};
 use crate::model::Model;
 use crate::reference::ReferenceError;
 use crate::reference::friction::Family;
 use crate::scenario;
 use crate::synthetic::{
-    Colour, Disturbances, Motion, Reported, Sensing, Setting, Stamps, hidden, kinds,
-    kinds_of_wide_draws, perturbed, perturbed_within, record_wide,
+    Colour, Disturbances, Motion, Reported, Sensing, Setting, Stamps, perturbed, perturbed_within,
+    record_wide,
 };
 
 /// What one trial of a round hides.

@@ -1,0 +1,144 @@
+//! Channels that are late, put back to when they were true.
+//!
+//! A measurement that shows the past belongs to a past state. Shifted by whole samples it is taken
+//! there at once; what is left is less than half a sample, which the encoder's law covers with the
+//! speed. So it covers what a drive value holds before its sample.
+//!
+//! What acts on the joint is not always what its log says at that sample either ([`joint_simulation::acting`]).
+
+use std::borrow::Cow;
+
+use joint_core::effect::sensor_delay::delay_s;
+use joint_core::effect::{Kind, input_delay};
+use joint_core::params::Location;
+
+use super::record::{CHANNELS, Channel, Record};
+use joint_simulation::acting::{filtered_s, switch, switched, unfiltered};
+use joint_simulation::model::Model;
+
+/// A record's measurements by the sample at which they were true.
+#[derive(Clone, Debug)]
+pub struct Late<'a> {
+    /// Measurements; NaN where the shift leaves none.
+    pub measured: Cow<'a, [[f64; CHANNELS]]>,
+    /// Time by which a measurement is ahead of its sample's state, without the delay itself: what the shift
+    /// has undone and what the drive leads by, s.
+    pub by: [f64; CHANNELS],
+    /// The same in samples.
+    pub samples: [isize; CHANNELS],
+    /// By sample: what acts over the interval after it, before and after the drive switches; empty where
+    /// that is the record's own value.
+    drives: Vec<[f64; 2]>,
+}
+
+impl<'a> Late<'a> {
+    /// Of a record, by the delays of a model.
+    pub fn of(model: &Model, record: &'a Record) -> Self {
+        let mut late = Self {
+            measured: Cow::Borrowed(&record.measured),
+            by: [0.0, record.lead_s, record.lead_s],
+            samples: [0; CHANNELS],
+            drives: drives(model, record),
+        };
+        if !model.effects.iter().any(|effect| effect.kind == Kind::SensorDelay) {
+            return late;
+        }
+        let interval = record.grid.typical_interval();
+        for (channel, encoder) in
+            [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
+        {
+            let samples = (delay_s(&model.effects, encoder) / interval).round();
+            if samples != 0.0 && samples.abs() < record.len() as f64 {
+                let c = channel as usize;
+                late.by[c] += samples * interval;
+                late.samples[c] = samples as isize;
+                shift(late.measured.to_mut(), record, c, samples as isize);
+            }
+        }
+        late
+    }
+}
+
+impl Late<'_> {
+    /// What acts over the interval after sample `k` of a record, before and after the drive switches.
+    #[inline(always)]
+    pub(super) fn drives(&self, record: &Record, k: usize) -> [f64; 2] {
+        self.drives.get(k).copied().unwrap_or_else(|| [record.drive_values[k]; 2])
+    }
+}
+
+/// What acts where that is not the record's own values; a joint's past ends where its log begins.
+fn drives(model: &Model, record: &Record) -> Vec<[f64; 2]> {
+    let (constant, delay) = (filtered_s(model, record.drive), input_delay::delay_s(&model.effects));
+    if constant == 0.0 && delay == 0.0 {
+        return Vec::new();
+    }
+    let share = switch(delay, record.grid.typical_interval());
+    let ends = record.starts.iter().skip(1).copied().chain([record.len()]);
+    let logs = record.starts.iter().zip(ends).map(|(start, end)| *start..end);
+    logs.flat_map(|log| {
+        let (time_s, shown) = (&record.time_s[log.clone()], &record.drive_values[log]);
+        let values = match constant > 0.0 {
+            true => Cow::Owned(unfiltered(shown, time_s, constant)),
+            false => Cow::Borrowed(shown),
+        };
+        match delay == 0.0 {
+            true => values.iter().map(|value| [*value; 2]).collect(),
+            false => switched(&values, time_s, delay, share),
+        }
+    })
+    .collect()
+}
+
+/// Moves a channel towards the start of each of its logs.
+fn shift(measured: &mut [[f64; CHANNELS]], record: &Record, c: usize, samples: isize) {
+    for (number, start) in record.starts.iter().enumerate() {
+        let end = record.starts.get(number + 1).copied().unwrap_or(record.len());
+        for (k, row) in measured.iter_mut().enumerate().take(end).skip(*start) {
+            let from = k.checked_add_signed(samples).filter(|from| (*start..end).contains(from));
+            row[c] = from.map_or(f64::NAN, |from| record.measured[from][c]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::EffectParameters;
+
+    use super::*;
+    use crate::filter::Observer;
+    use joint_simulation::demo::actuator;
+    use joint_simulation::log::Log;
+    use joint_simulation::plant::{Layout, plant};
+
+    #[test]
+    fn a_filter_knows_that_a_late_channel_shows_the_speed() {
+        let mut model = actuator();
+        let late = EffectParameters::new(Kind::SensorDelay, Location::OutputEncoder);
+        // A whole sample is shifted, what is left of it shows the speed, as the middle of an interval does.
+        model.effects.push(late.with("delay_s", 1.3e-3));
+        let log = Log {
+            time_s: (0..300).map(|k| f64::from(k) * 1e-3).collect(),
+            current_a: Some(vec![0.1; 300]),
+            motor_angle_rad: vec![0.0; 300],
+            output_angle_rad: Some(vec![0.0; 300]),
+            ..Log::default()
+        };
+        let record = Record::new(&log, None).centred();
+        let plant = plant(&model, &record.grid, record.drive).unwrap();
+        let observer = Observer::new(&model, &*plant, &record);
+        let layout = Layout::of(&model);
+        let mut row = vec![0.0; layout.len()];
+        let shown = |channel, state: usize, value: f64| {
+            let mut x = vec![0.0; layout.len()];
+            x[state] = value;
+            observer.shown(channel, &x, &[])
+        };
+        for (channel, mass) in [(Channel::Motor, 0), (Channel::Output, layout.stages)] {
+            observer.sensitivity(channel, &[], &mut row);
+            let speed = layout.speed(mass);
+            let slope = shown(channel, speed, 1.0) - shown(channel, speed, 0.0);
+            assert!(slope != 0.0 && (row[speed] - slope).abs() < 1e-12, "{channel:?} {slope}");
+        }
+    }
+}

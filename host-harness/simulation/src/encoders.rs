@@ -1,0 +1,136 @@
+//! What the encoders show of a run: the angles, bent by what is wrong with the encoders.
+//!
+//! Laws stand in `joint-core`. A delay and a filter need the past, which the drive does not keep and a whole run
+//! has: here the run itself is asked, exact but for the interpolation between samples.
+
+use joint_core::angle::Angle;
+use joint_core::effect::sensor_delay::delay_s;
+use joint_core::effect::sensor_lag::time_constant_s;
+use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind, MEMORIES};
+use joint_core::params::Location;
+use joint_core::per_unit::Bases;
+use std::f64::consts::TAU;
+
+use crate::model::Model;
+use crate::plant::Snapshot;
+
+/// Angles by sample as the encoders show them, rad.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// The motor's encoder.
+    pub motor: Vec<f64>,
+    /// The one behind the last stage; the motor's where there is none.
+    pub output: Vec<f64>,
+}
+
+/// What the encoders show of a run at these times.
+pub fn shown(model: &Model, time_s: &[f64], run: &[Snapshot]) -> Shown {
+    let bases = Bases::si(&model.motor, &model.stages);
+    let laws: Vec<EffectParameters> =
+        model.effects.iter().filter(|e| e.kind == Kind::EncoderEccentricity).copied().collect();
+    let laws = EffectSet::<f64>::new(&laws, &Default::default(), &bases).unwrap_or_default();
+    let bent = |behind: bool, angle: f64| {
+        let turns = Angle::from_turns(angle / TAU);
+        angle + laws.encoder_error(behind, turns, 0.0, &[0.0; MEMORIES]) * TAU
+    };
+    let motor: Vec<f64> = run.iter().map(|s| bent(false, s.motor_angle_rad)).collect();
+    let output: Vec<f64> = run
+        .iter()
+        .map(|s| s.stages.last().map_or(s.motor_angle_rad, |stage| stage.angle_rad))
+        .map(|angle| bent(true, angle))
+        .collect();
+    let shown = |angles: &[f64], encoder: Location| {
+        let effects = &model.effects;
+        let filtered = lagging(angles, time_s, time_constant_s(effects, encoder));
+        late(&filtered, time_s, delay_s(effects, encoder))
+    };
+    Shown {
+        motor: shown(&motor, Location::Encoder),
+        output: shown(&output, Location::OutputEncoder),
+    }
+}
+
+/// A series as a first-order lag shows it that has followed it for long at its first slope; straight between
+/// its times.
+pub fn lagging(values: &[f64], time_s: &[f64], constant_s: f64) -> Vec<f64> {
+    if constant_s == 0.0 {
+        return values.to_vec();
+    }
+    let slope = |k: usize| (values[k] - values[k - 1]) / (time_s[k] - time_s[k - 1]);
+    let mut behind = if values.len() > 1 { constant_s * slope(1) } else { 0.0 };
+    let mut shown = Vec::with_capacity(values.len());
+    for (k, value) in values.iter().enumerate() {
+        if k > 0 {
+            let reached = -(-(time_s[k] - time_s[k - 1]) / constant_s).exp_m1();
+            behind += (constant_s * slope(k) - behind) * reached;
+        }
+        shown.push(value - behind);
+    }
+    shown
+}
+
+/// A series as it was `delay` seconds before each of its times, held at its ends.
+pub fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
+    if delay == 0.0 {
+        return values.to_vec();
+    }
+    let at = |time: f64| {
+        let after = time_s.partition_point(|t| *t < time);
+        match (after.checked_sub(1).and_then(|k| values.get(k)), values.get(after)) {
+            (Some(before), Some(next)) => {
+                let (from, to) = (time_s[after - 1], time_s[after]);
+                before + (next - before) * (time - from) / (to - from)
+            }
+            (Some(end), None) | (None, Some(end)) => *end,
+            (None, None) => f64::NAN,
+        }
+    };
+    time_s.iter().take(values.len()).map(|time| at(time - delay)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::actuator;
+
+    fn run(count: usize) -> (Vec<f64>, Vec<Snapshot>) {
+        let time_s: Vec<f64> = (0..count).map(|k| 1e-3 * k as f64).collect();
+        let at = |t: &f64| Snapshot { motor_angle_rad: 50.0 * t, ..Snapshot::default() };
+        let run = time_s.iter().map(at).collect();
+        (time_s, run)
+    }
+
+    #[test]
+    fn a_late_encoder_shows_the_past() {
+        let (time_s, run) = run(100);
+        let delay = EffectParameters::new(Kind::SensorDelay, Location::Encoder);
+        let model = Model { effects: vec![delay.with("delay_s", 2.5e-3)], ..actuator() };
+        let shown = shown(&model, &time_s, &run);
+        assert!((shown.motor[50] - 50.0 * (0.05 - 2.5e-3)).abs() < 1e-9);
+        assert_eq!((shown.motor[1], shown.output[50]), (0.0, 2.5));
+    }
+
+    #[test]
+    fn a_filtered_encoder_is_behind_a_ramp_by_its_time_constant_and_answers_a_bend_exponentially() {
+        let time_s: Vec<f64> = (0..100).map(|k| 1e-3 * f64::from(k)).collect();
+        // At rest to 20 ms, then 50 rad/s.
+        let angles: Vec<f64> = time_s.iter().map(|t| 50.0 * (t - 0.02).max(0.0)).collect();
+        let shown = lagging(&angles, &time_s, 0.01);
+        let wanted = |t: f64| 50.0 * (t - 0.01 * (1.0 - (-t / 0.01).exp()));
+        assert!((shown[60] - wanted(0.04)).abs() < 1e-12 && shown[20] == 0.0);
+        let moving = lagging(&angles[30..], &time_s[30..], 0.01);
+        assert!(moving.iter().zip(&angles[30..]).all(|(a, b)| (b - a - 0.5).abs() < 1e-12));
+    }
+
+    #[test]
+    fn an_eccentric_encoder_swings_once_a_turn() {
+        let (time_s, run) = run(400);
+        let bent = EffectParameters::new(Kind::EncoderEccentricity, Location::Encoder);
+        let model = Model { effects: vec![bent.with("amplitude_rad", 0.02)], ..actuator() };
+        let shown = shown(&model, &time_s, &run);
+        for (shown, snapshot) in shown.motor.iter().zip(&run) {
+            let angle = snapshot.motor_angle_rad;
+            assert!((shown - angle - 0.02 * angle.sin()).abs() < 1e-7);
+        }
+    }
+}
