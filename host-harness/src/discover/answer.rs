@@ -15,14 +15,14 @@ use nalgebra::DMatrix;
 use super::coloured::search_coloured;
 use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
-use super::evidence::{Unseen, Weighed, cannot_tell};
+use super::evidence::{FreeRun, Rest, Unseen, Weighed, cannot_tell, mapped};
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts, knots_of};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
-use super::proportion::{answered, keep_borne_out, possible, weighed};
+use super::proportion::{answered, keep_borne_out, matters, possible, weighed};
 use super::reasons::reasons;
 use super::rows::{noise_rows, parameter_rows};
 use super::search::Search;
@@ -190,9 +190,35 @@ pub fn discover_without(
         _ if constant => Answer::Unknown,
         answer => answer,
     };
+    let mut gap = gap;
+    let mut free_run = free_run;
+    let rest = match &weighed.budget {
+        Some(budget) if answer == Answer::Unknown && matters(budget) && !interrupt::asked() => {
+            bar.set_message("what has no name");
+            mapped(&problem, &found.after, &calm, &held_out)?
+        }
+        _ => None,
+    };
+    // A map that no unseen sample is predicted better with stays out.
+    let rest = match rest {
+        Some(rest) => {
+            let (_, rows) = run(&rest.stage.fit)?;
+            let with = self::gap(&record, &innovations_before, &rows, &floor, &tested);
+            let better = with.after < gap.after;
+            if better {
+                let models = [before, &rest.stage.fit];
+                free_run = FreeRun::of(&record, models, &calm, &held_out)?;
+                gap = with;
+            }
+            better.then_some(rest)
+        }
+        None => None,
+    };
     let covariance = problem.covariance(after);
     let clean = complaints.is_empty() && !constant;
     let effects = named(&found, nominal.effects.len(), clean, (&weighed, &unseen), &covariance);
+    let explained = weighed.budget.as_ref().map_or(0.0, |budget| budget.named);
+    let unnamed = rest.as_ref().and_then(|rest| mapped_rest(rest, 1.0 - explained));
     let close = found.rounds.first().and_then(|round| {
         let rival = round.rivals.first()?;
         (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
@@ -231,6 +257,7 @@ pub fn discover_without(
         verdict: answer,
         effects,
         possible: possible(&found, &fitted),
+        unnamed: Vec::from_iter(unnamed),
         whereabouts,
         gap,
         budget: weighed.budget,
@@ -243,7 +270,7 @@ pub fn discover_without(
         verdict,
         nominal: nominal.clone(),
         refitted: before.model.clone(),
-        improved: after.model.clone(),
+        improved: rest.map_or_else(|| after.model.clone(), |rest| rest.stage.fit.model),
         time_s: record.time_s.clone(),
         held_out,
         before: shown(&record, &innovations_before),
@@ -404,6 +431,27 @@ fn named(
             }
         })
         .collect()
+}
+
+/// A map as it is told: it says what is there, and has no name to be sure of.
+fn mapped_rest(rest: &Rest, of: f64) -> Option<Named> {
+    let map = rest.stage.fit.model.effects.last()?;
+    let values = map.kind.spec().parameters.iter().zip(map.values);
+    Some(Named {
+        kind: map.kind.spec().kind.to_owned(),
+        location: map.location.to_string(),
+        unnamed: true,
+        parameters: values.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
+        knots: knots_of(map),
+        standard_errors: BTreeMap::new(),
+        confidence: 0.0,
+        share: of * rest.share.value,
+        share_error: of * rest.share.error,
+        unseen_t: rest.unseen.t,
+        gain: rest.unseen.series.iter().sum(),
+        stays_ahead: 0.0,
+        rivals: Vec::new(),
+    })
 }
 
 /// An effect's values by key, and one sigma of those that were fitted.

@@ -132,6 +132,9 @@ pub struct Verdict {
     pub effects: Vec<Named>,
     /// Effects that explain something, but not beyond doubt: they are not in the improved model.
     pub possible: Vec<Named>,
+    /// What repeats without a name, and is in the improved model as a table.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unnamed: Vec<Named>,
     /// Where the refitted nominal and the log disagree.
     #[serde(rename = "where")]
     pub whereabouts: Whereabouts,

@@ -28,13 +28,18 @@ const TOLERANCE: f64 = 0.01;
 /// model fails on samples that no fit has seen, or where nobody could look; a disturbance that follows
 /// nothing is no law that is missing.
 pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -> Answer {
-    let harmless = budget.is_some_and(|budget| budget.unnamed_of_drive <= TOLERANCE);
+    let harmless = budget.is_some_and(|budget| !matters(budget));
     let noise = left.complaints(!named).is_empty();
     match named {
         _ if !noise && (!harmless || left.fails_unseen()) => Answer::Unknown,
         true => Answer::Effect,
         false => Answer::Adequate,
     }
+}
+
+/// Whether what is predictable and has no name is more than a model is allowed to miss.
+pub(super) fn matters(budget: &Budget) -> bool {
+    budget.unnamed_of_drive > TOLERANCE
 }
 
 /// What the effects explain in proportion, and how both models run free, on samples that no fit has seen.

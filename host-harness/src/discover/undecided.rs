@@ -30,6 +30,7 @@ pub(super) fn undecided(
             verdict: Answer::Undecided,
             effects: Vec::new(),
             possible: Vec::new(),
+            unnamed: Vec::new(),
             whereabouts: Whereabouts { equation: "none".into(), ..Whereabouts::default() },
             gap,
             budget: None,

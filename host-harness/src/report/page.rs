@@ -55,6 +55,7 @@ fn answered(page: &mut String, findings: &Findings, logs: &[Log], source: &Sourc
     }
     simulated(page, findings, logs);
     parameters::effects(page, &verdict.effects);
+    parameters::unnamed(page, &verdict.unnamed);
     if !unknown {
         disagree::section(page, findings);
         parameters::possible(page, &verdict.possible);

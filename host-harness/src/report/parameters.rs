@@ -93,6 +93,22 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
     }
 }
 
+/// What repeats without a name.
+pub(super) fn unnamed(page: &mut String, maps: &[Named]) {
+    for own in maps {
+        let _ = writeln!(
+            page,
+            "<h2>What repeats without a name</h2>\n<p>{} is in the improved model. It says what is there without \
+             saying why, and takes {} of what the refitted model misses; on samples that no fit has seen it \
+             improves the fit by {} times its standard error.</p>",
+            escape(&capital(&effect(&own.kind, &own.location))),
+            share(own),
+            digits(own.unseen_t, 2)
+        );
+        values(page, own);
+    }
+}
+
 /// The parameters of an effect.
 fn values(page: &mut String, own: &Named) {
     page.push_str(

@@ -53,6 +53,7 @@ pub(super) fn findings(samples: usize) -> Findings {
             }],
         }],
         possible: Vec::new(),
+        unnamed: Vec::new(),
         budget: Some(Budget {
             named: 0.9,
             unnamed: 0.05,

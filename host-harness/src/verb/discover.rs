@@ -162,6 +162,16 @@ pub(super) fn summary(findings: &Findings) -> String {
             effect.kind, effect.location, effect.confidence
         );
     }
+    for map in &verdict.unnamed {
+        let _ = writeln!(
+            text,
+            "  added without a name: {} ({}), {:.1} ± {:.1} % of the gap",
+            map.kind,
+            map.location,
+            100.0 * map.share,
+            100.0 * map.share_error
+        );
+    }
     let place = &verdict.whereabouts;
     if !matches!(verdict.verdict, Answer::Adequate | Answer::Undecided) {
         let orders: Vec<String> = place.orders.iter().map(|order| format!("{order}")).collect();

@@ -12,6 +12,7 @@ mod excitation;
 mod generic;
 mod hats;
 mod map;
+mod rest;
 mod shares;
 mod unseen;
 
@@ -21,5 +22,6 @@ pub(super) use budget::{Weighed, weigh};
 pub(super) use excitation::cannot_tell;
 pub use generic::Predicted;
 pub use map::{Unexplained, fitted_map};
+pub(super) use rest::{Rest, mapped};
 pub use unseen::Unseen;
 pub(super) use unseen::unseen;
