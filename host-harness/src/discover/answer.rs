@@ -192,12 +192,13 @@ pub fn discover_without(
     };
     let mut gap = gap;
     let mut free_run = free_run;
-    let rest = match &weighed.budget {
-        Some(budget) if answer == Answer::Unknown && matters(budget) && !interrupt::asked() => {
+    let matters = weighed.budget.as_ref().is_some_and(matters) && !interrupt::asked();
+    let rest = match walk.filter(|_| answer == Answer::Unknown && matters) {
+        Some(walk) => {
             bar.set_message("what has no name");
-            mapped(&problem, &found.after, &calm, &held_out)?
+            mapped(&problem, &found.after, walk, [&calm, &found.expected], &held_out)?
         }
-        _ => None,
+        None => None,
     };
     // A map that no unseen sample is predicted better with stays out.
     let rest = match rest {

@@ -1,15 +1,12 @@
 //! Drive efficiency: friction that grows with the torque passed on, by another share where the load
-//! drives. It is asked beside load-dependent friction, which it becomes where both shares are one.
+//! drives. It holds load-dependent friction as the case of two equal shares, so it is asked where that was
+//! found, and takes its place where the shares differ.
 
 use joint_core::effect::{EffectParameters, Kind};
 
 use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
-
-/// Shares that are tried where the motor drives and where the load does: none, the usual loss of a
-/// gear, and that of one which hardly lets itself be driven.
-const STARTS: [[f64; 2]; 3] = [[0.0, 0.0], [0.05, 0.15], [0.1, 0.5]];
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "gear loss that differs between driving the load and being driven by it",
@@ -23,16 +20,13 @@ pub(super) const CARD: EffectCard = EffectCard {
 };
 
 fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
-    let behind = scene.masses().skip(1).filter(|(mass, _)| scene.friction(*mass).coulomb_nm > 0.0);
+    let behind = scene.masses().skip(1).map(|(_, place)| place);
     behind
-        .filter(|(_, place)| !scene.has(Kind::DriveEfficiency, *place))
-        .flat_map(|(_, place)| {
-            STARTS.map(|[driving, driven]| Hypothesis {
-                start: EffectParameters::new(Kind::DriveEfficiency, place)
-                    .with("driving", driving)
-                    .with("driven", driven),
-                free: [0, 1].map(|value| Free::Value { value, scale: 0.03, sigma: 10.0 }).to_vec(),
-            })
+        .filter(|place| scene.has(Kind::LoadDependentFriction, *place))
+        .filter(|place| !scene.has(Kind::DriveEfficiency, *place))
+        .map(|place| Hypothesis {
+            start: EffectParameters::new(Kind::DriveEfficiency, place),
+            free: [0, 1].map(|value| Free::Value { value, scale: 0.03, sigma: 10.0 }).to_vec(),
         })
         .collect()
 }

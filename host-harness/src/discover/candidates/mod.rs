@@ -42,6 +42,9 @@ pub fn proposed(scene: &Scene<'_>, withdrawn: &[Kind]) -> Vec<Hypothesis> {
 
 #[cfg(test)]
 mod tests {
+    use joint_core::effect::EffectParameters;
+    use joint_core::params::Location;
+
     use super::super::score_test::ScoreTest;
     use super::super::trial;
     use super::*;
@@ -51,7 +54,10 @@ mod tests {
 
     #[test]
     fn every_card_proposes_its_own_kind_and_no_other() {
-        let nominal = actuator();
+        let mut nominal = actuator();
+        // One law is asked where another was found.
+        let found = EffectParameters::new(Kind::LoadDependentFriction, Location::Stage(1));
+        nominal.effects.push(found.with("coefficient", 0.02));
         let record = Record::new(&trial::log(&nominal, trial::line(42.0), 8.0), None);
         let mask = vec![1.0; record.measured.len()];
         let problem = Problem::new(&record, &mask).rough();

@@ -260,6 +260,12 @@ impl FreeRun {
         let longest_s = stretches.iter().map(length).fold(0.0, f64::max);
         Ok(Self { signals, mode: "open loop", stretches: stretches.len(), longest_s })
     }
+
+    /// Error after over that before, the geometric mean of the signals.
+    pub(super) fn factor(&self) -> f64 {
+        let logs = self.signals.values().map(|[before, after]| (after / before).ln());
+        (logs.sum::<f64>() / self.signals.len().max(1) as f64).exp()
+    }
 }
 
 #[cfg(test)]

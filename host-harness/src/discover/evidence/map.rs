@@ -31,7 +31,7 @@ const BY_CHANCE: f64 = 0.05;
 
 /// A disturbance along a record, at the map's own side, by sample; what is no number is left out.
 #[derive(Clone, Copy, Debug)]
-pub struct Unexplained<'a> {
+pub(super) struct Unexplained<'a> {
     /// Torque that is missing, Nm, positive with positive motion.
     pub torque_nm: &'a [f64],
     /// Angle, rad.
@@ -56,10 +56,17 @@ struct Shape {
     knots: usize,
 }
 
-/// The map at this place that predicts most of a disturbance on blocks which it was not fitted to; `None`
-/// where none does so beyond chance.
-pub fn fitted_map(of: &Unexplained<'_>, place: Location) -> Option<EffectParameters> {
-    let rows = Rows::of(of)?;
+impl Shape {
+    fn numbers(self) -> usize {
+        self.knots * if self.by_direction { 2 } else { 1 }
+    }
+}
+
+/// The maps at this place that predict a disturbance on blocks which they were not fitted to: over the travel,
+/// over a turn, over the speed, of each the coarsest that is as good as the best; none where none does so
+/// beyond chance.
+pub(super) fn fitted_maps(of: &Unexplained<'_>, place: Location) -> Vec<EffectParameters> {
+    let Some(rows) = Rows::of(of) else { return Vec::new() };
     let shapes = rows.shapes();
     let tests = shapes.len().max(1) as f64;
     let least = Gaussian::standard().inverse_cdf(1.0 - BY_CHANCE / tests);
@@ -68,9 +75,16 @@ pub fn fitted_map(of: &Unexplained<'_>, place: Location) -> Option<EffectParamet
         let (smoothing, share) = design.best_smoothing();
         (share.value > least * share.error).then_some((design, smoothing, share))
     });
-    let (design, smoothing, _) = tried.max_by(|a, b| a.2.value.total_cmp(&b.2.value))?;
-    let knots = design.fitted(smoothing)?;
-    rows.effect(design.shape, &knots, place)
+    let mut tried: Vec<_> = tried.collect();
+    tried.sort_by_key(|(design, ..)| design.shape.numbers());
+    let of = |over: Over| {
+        let own = || tried.iter().filter(|(design, ..)| design.shape.over == over);
+        let best = own().map(|own| own.2).max_by(|a, b| a.value.total_cmp(&b.value))?;
+        // Breiman and others 1984: within a standard error of the best.
+        let (design, smoothing, _) = own().find(|own| own.2.value >= best.value - best.error)?;
+        rows.effect(design.shape, &design.fitted(*smoothing)?, place)
+    };
+    [Over::Span, Over::Turn, Over::Speed].into_iter().filter_map(of).collect()
 }
 
 /// The samples that are numbers.
@@ -296,7 +310,7 @@ mod tests {
 
     fn fit(angle: &[f64], speed: &[f64], torque: &[f64]) -> Option<EffectParameters> {
         let of = Unexplained { torque_nm: torque, angle_rad: angle, speed_rad_per_s: speed };
-        let map = fitted_map(&of, Location::Motor)?;
+        let map = *fitted_maps(&of, Location::Motor).first()?;
         assert_eq!(map.validate(1), Ok(()), "{map:?}");
         Some(map)
     }

@@ -21,7 +21,6 @@ pub use budget::{Budget, FreeRun};
 pub(super) use budget::{Weighed, weigh};
 pub(super) use excitation::cannot_tell;
 pub use generic::Predicted;
-pub use map::{Unexplained, fitted_map};
 pub(super) use rest::{Rest, mapped};
 pub use unseen::Unseen;
 pub(super) use unseen::unseen;

@@ -1,29 +1,33 @@
 //! What repeats and has no name goes into the model all the same.
 //!
-//! Where a generic family predicts what no named effect explains, and that matters, the disturbance of the
-//! rotor's torque is laid into a torque map. It is fitted to the samples that are fitted to, and stays only if
-//! samples that no fit has seen are the likelier for it and less is missing there.
+//! Where a generic family predicts what no named effect explains, and that matters, the disturbance of an
+//! equation of torque is laid into a torque map. It is fitted to the samples that are fitted to, and stays only
+//! if samples that no fit has seen are the likelier for it, less is missing there, and a free run over them comes
+//! nearer. Of several maps the one does whose free run comes nearest: a disturbance that is estimated near
+//! standstill follows the friction's state, and as a torque over the speed it would push a joint that rests.
 
-use joint_core::effect::Kind;
+use joint_core::effect::EffectParameters;
 use joint_core::params::Location;
+use rayon::prelude::*;
 
 use super::super::search::Stage;
 use super::super::whereabouts::{of_push, pushed};
 use super::blocks::{Blocks, Share};
-use super::map::{Unexplained, fitted_map};
+use super::budget::FreeRun;
+use super::map::{Unexplained, fitted_maps};
 use super::shares::Disturbances;
 use super::unseen::{Unseen, unseen};
+use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Equation, Noise, Run, Walk};
 use crate::estimate::fit::Problem;
 use crate::estimate::refit::polish;
+use crate::model::Model;
 use crate::plant::{BuildError, Layout};
 
+/// One sigma of a map's scale.
+const WIDE: f64 = 10.0;
 /// Sigmas beyond which lies a twentieth of a normal deviate, one-sided.
 const SIGMAS: f64 = 1.645;
-/// The disturbance may be so many times the torque noise that is expected, and wanders as fast in a tenth of a
-/// second.
-const LARGE: f64 = 20.0;
-const PER_SECOND: f64 = 10.0;
 
 /// A map of what is left beside the effects.
 #[derive(Clone, Debug)]
@@ -36,92 +40,131 @@ pub(in super::super) struct Rest {
     pub(in super::super) share: Share,
 }
 
-/// A model with a torque map of what it misses; `None` where no map holds on the samples of `tested`.
+/// A model with a torque map of what it misses in an equation of torque; `None` where no map holds on the
+/// samples of `tested`.
 ///
 /// # Errors
 /// The model without it cannot be built.
 pub(in super::super) fn mapped(
     problem: &Problem<'_>,
     named: &Stage,
-    expected: &Noise,
+    walk: Walk,
+    [noise, expected]: [&Noise; 2],
     tested: &[bool],
 ) -> Result<Option<Rest>, BuildError> {
     let Stage { fit, origin } = named;
-    let scale = LARGE * expected.torque;
-    let walk = Walk::random(Equation::Torque(0), scale, PER_SECOND * scale);
-    let run = pushed(problem, &fit.model, expected, walk)?;
-    let series = of(&run, tested, Layout::of(&fit.model));
-    let Some(map) = fitted_map(&series.unexplained(), Location::Motor) else {
-        return Ok(None);
-    };
-    debug_assert_eq!(map.kind, Kind::TorqueMap);
-    let [mut origin, mut start] = [origin.clone(), fit.model.clone()];
-    origin.effects.push(map);
-    start.effects.push(map);
-    let (moved, noise) = (&fit.coordinates, &fit.noise);
-    // A joint that has no room for a table is left as it is.
-    let Ok(fit) = polish(&problem.rough(), &origin, &start, moved, expected, noise) else {
-        return Ok(None);
-    };
-    let unseen = unseen(&problem.rough(), &named.fit, &fit, tested)?;
-    let left = of_push(&pushed(problem, &fit.model, expected, walk)?);
+    let Equation::Torque(mass) = walk.equation else { return Ok(None) };
+    let run = pushed(problem, &fit.model, noise, walk)?;
+    let maps = Side::of(mass, &fit.model).map_or(Vec::new(), |side| side.maps(&run, tested));
     let missed = of_push(&run);
     let blocks = Blocks::of_series(tested, &missed);
-    let gone = Disturbances { before: blocks.squares(&missed), after: blocks.squares(&left) };
-    let share = gone.named();
-    let holds = unseen.t > SIGMAS && share.value > SIGMAS * share.error;
-    Ok(holds.then_some(Rest { stage: Stage { fit, origin }, unseen, share }))
-}
-
-/// What a run shows to be missing at the rotor, but for the samples of `tested`.
-fn of(run: &Run, tested: &[bool], layout: Layout) -> Series {
-    let torque = of_push(run).into_iter().zip(tested);
-    let state = |number: usize| run.states.iter().map(|x| x[number]).collect();
-    Series {
-        torque: torque.map(|(torque, tested)| if *tested { f64::NAN } else { torque }).collect(),
-        angle: state(Layout::ANGLE),
-        speed: state(layout.speed(0)),
-    }
-}
-
-/// Torque that is missing at the rotor, Nm, its angle, rad, and its speed, rad/s, by sample.
-struct Series {
-    torque: Vec<f64>,
-    angle: Vec<f64>,
-    speed: Vec<f64>,
-}
-
-impl Series {
-    fn unexplained(&self) -> Unexplained<'_> {
-        Unexplained {
-            torque_nm: &self.torque,
-            angle_rad: &self.angle,
-            speed_rad_per_s: &self.speed,
+    let before = blocks.squares(&missed);
+    let tried = maps.into_par_iter().map(|map| {
+        let [mut origin, mut start] = [origin.clone(), fit.model.clone()];
+        let effect = start.effects.len();
+        origin.effects.push(map);
+        start.effects.push(map);
+        // What the filter makes of a disturbance is less than the disturbance, in one proportion.
+        let mut moved = fit.coordinates.clone();
+        moved.push(Coordinate::Effect { effect, value: 0, scale: 1.0, sigma: WIDE });
+        let mut fit = polish(problem, &origin, &start, &moved, expected, &fit.noise)?;
+        let unseen = unseen(problem, &named.fit, &fit, tested)?;
+        let left = of_push(&pushed(problem, &fit.model, noise, walk)?);
+        let gone = Disturbances { before: before.clone(), after: blocks.squares(&left) };
+        let share = gone.named();
+        let free_run = FreeRun::of(problem.record, [&named.fit, &fit], noise, tested)?.factor();
+        if let Some(map) = fit.model.effects.last_mut() {
+            *map = scaled(*map);
         }
+        Ok((free_run, Rest { stage: Stage { fit, origin }, unseen, share }))
+    });
+    let tried: Vec<Result<_, BuildError>> = tried.collect();
+    let holds = |(free_run, rest): &(f64, Rest)| {
+        rest.unseen.t > SIGMAS && rest.share.value > SIGMAS * rest.share.error && *free_run < 1.0
+    };
+    // A joint that has no room for a table is left as it is.
+    let held = tried.into_iter().flatten().filter(holds);
+    Ok(held.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, rest)| rest))
+}
+
+/// A map whose knots are its torques themselves.
+fn scaled(map: EffectParameters) -> EffectParameters {
+    let scale = map.values[0];
+    let by = |curve: &[f64]| curve.iter().map(|torque| scale * torque).collect::<Vec<_>>();
+    let [forward, backward] = [map.table.forward(), map.table.backward()].map(by);
+    map.with("scale", 1.0).with_table(&forward, &backward).unwrap_or(map)
+}
+
+/// A side of the joint that has a map of its own.
+struct Side {
+    location: Location,
+    /// Turns of the motor per turn of it.
+    reduction: f64,
+    layout: Layout,
+    mass: usize,
+}
+
+impl Side {
+    /// The side of a mass, if it is the rotor or the output.
+    fn of(mass: usize, model: &Model) -> Option<Self> {
+        let location = match mass {
+            0 => Location::Motor,
+            _ if mass == model.stages.len() => Location::Output,
+            _ => return None,
+        };
+        let reduction = model.stages[..mass].iter().map(|stage| stage.reduction).product();
+        Some(Self { location, reduction, layout: Layout::of(model), mass })
+    }
+
+    /// The maps of what a run shows to be missing, but for the samples of `tested`.
+    fn maps(&self, run: &Run, tested: &[bool]) -> Vec<EffectParameters> {
+        let Self { reduction, layout, mass, .. } = *self;
+        let angle = |x: &Vec<f64>| {
+            let wound: f64 = (0..mass).map(|stage| x[layout.deflection(stage)]).sum();
+            (x[Layout::ANGLE] - wound) / reduction
+        };
+        let told =
+            |(torque, tested): (f64, &bool)| if *tested { f64::NAN } else { torque * reduction };
+        let torque: Vec<f64> = of_push(run).into_iter().zip(tested).map(told).collect();
+        let angle: Vec<f64> = run.states.iter().map(angle).collect();
+        let speed: Vec<f64> =
+            run.states.iter().map(|x| x[layout.speed(mass)] / reduction).collect();
+        let of = Unexplained { torque_nm: &torque, angle_rad: &angle, speed_rad_per_s: &speed };
+        fitted_maps(&of, self.location)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::EffectParameters;
+    use joint_core::effect::Kind;
 
     use super::super::super::trial;
     use super::*;
     use crate::estimate::noise;
     use crate::estimate::record::Record;
+    use crate::synthetic::{Experiment, record};
 
-    /// The map of what a motor misses in whose log a drag of that size is hidden.
+    /// The map of what a motor misses in whose log of 5 s a drag of that size is hidden.
     fn found(drag: f64) -> Option<Rest> {
         let nominal = trial::motor();
         let hidden = EffectParameters::new(Kind::QuadraticDrag, Location::Motor);
-        let log = trial::log(&nominal, hidden.with("coefficient_nm_s2", drag), 4.0);
+        let mut truth = nominal.clone();
+        truth.effects.push(hidden.with("coefficient_nm_s2", drag));
+        let swing = |k: i32| {
+            let time_s = 2e-4 * f64::from(k);
+            (1.0 + 3.0 * (0.9 * time_s).sin().powi(2)) * (20.0 * time_s).sin()
+        };
+        let voltage_v = Some((0..25_000).map(swing).collect());
+        let log = record(&truth, &Experiment { voltage_v, ..Experiment::clean(5.0) }, 5).unwrap();
         let record = Record::new(&log, None);
         let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
         let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
         let problem = Problem::new(&record, &mask).rough();
         let expected = noise::expected(&nominal, &record);
         let named = trial::fitted(&problem, &nominal, &[]);
-        mapped(&problem, &named, &expected, &tested).unwrap()
+        let scale = 20.0 * expected.torque;
+        let walk = Walk::random(Equation::Torque(0), scale, 10.0 * scale);
+        mapped(&problem, &named, walk, [&expected; 2], &tested).unwrap()
     }
 
     #[test]
