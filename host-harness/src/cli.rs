@@ -50,7 +50,7 @@ verbs! {
         Simulate => simulate, Demo => demo;
     "Bring it to a drive or another tool": Observe => observe, Export => export, Budget => budget,
         Flash => flash, Monitor => monitor, Capture => capture;
-    "See how far to trust it": CrossCheck => cross_check, Reproduce => reproduce, Score => score,
+    "See how far to trust it": CrossCheck => cross_check, Reproduce => reproduce, Score => score, Machines => machines,
         ObserveBench => observe_bench;
     "Set up": Doctor => doctor, Completions => completions, Man => man;
 }

@@ -7,7 +7,9 @@ pub mod demo;
 pub mod discover;
 pub mod export;
 pub mod identify;
+
 pub mod import;
+pub mod machines;
 pub mod observe;
 pub mod output;
 pub mod planetary;

@@ -18,6 +18,7 @@ pub mod flash;
 pub mod identify;
 pub mod import;
 mod load;
+pub mod machines;
 pub mod man;
 pub mod monitor;
 pub mod new;

@@ -107,7 +107,7 @@ fn table(text: &mut String, model: &str, told: &Transfer) {
 }
 
 /// A value with an SI prefix and three digits.
-fn prefixed(value: f64, unit: &str) -> String {
+pub(super) fn prefixed(value: f64, unit: &str) -> String {
     let scale = [(1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
     let own = scale.iter().find(|(factor, _)| value.abs() >= *factor).unwrap_or(&scale[3]);
     let shown = value / own.0;
