@@ -15,14 +15,14 @@ use nalgebra::DMatrix;
 use super::coloured::search_coloured;
 use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
-use super::evidence::{FreeRun, Rest, Unseen, Weighed, cannot_tell, mapped};
+use super::evidence::{Elsewhere, FreeRun, Rest, Weighed, cannot_tell, mapped};
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts, knots_of};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
 use super::next_experiment::advice;
-use super::proportion::{answered, keep_borne_out, matters, possible, weighed};
+use super::proportion::{Witnessed, answered, keep_borne_out, matters, possible, weighed};
 use super::reasons::reasons;
 use super::rows::{noise_rows, parameter_rows};
 use super::search::Search;
@@ -64,6 +64,11 @@ pub enum DiscoverError {
     /// The logs do not fit together.
     #[error(transparent)]
     Join(#[from] JoinError),
+    /// Another record imposes something else.
+    #[error(
+        "a record for transfer is driven by another quantity than the logs: all need u_v, or none"
+    )]
+    Elsewhere,
     /// Too little to learn from.
     #[error("the logs have {0} samples; give at least {LEAST_SAMPLES}")]
     Short(usize),
@@ -88,6 +93,20 @@ pub fn discover(
 pub fn discover_without(
     nominal: &Model,
     logs: &[Log],
+    withdrawn: &[Kind],
+    bar: &ProgressBar,
+) -> Result<Findings, DiscoverError> {
+    discover_beside(nominal, (logs, &[]), withdrawn, bar)
+}
+
+/// The same with other records of the joint, to which nothing is fitted: an effect that they speak against
+/// beyond its standard error is only possible.
+///
+/// # Errors
+/// As [`discover`]; or another record is driven by another quantity.
+pub fn discover_beside(
+    nominal: &Model,
+    (logs, others): (&[Log], &[Log]),
     withdrawn: &[Kind],
     bar: &ProgressBar,
 ) -> Result<Findings, DiscoverError> {
@@ -127,12 +146,14 @@ pub fn discover_without(
     let sound = remainder.complaints(false).is_empty() && !is_suspect(&found);
     let finest = record.refined(micro_steps * FINEST);
     let finer = if sound { record.refined(micro_steps * FINER) } else { finest.clone() };
+    let mut stepped = micro_steps;
     if !found.rounds.is_empty()
         && !interrupt::asked()
         && let Some(left) = ask_finer(&Problem::new(&finer, &fitted), &mut found, &remainder)?
     {
         remainder = left;
         record = finer;
+        stepped *= if sound { FINER } else { FINEST };
     }
     let problem = Problem::new(&record, &fitted);
     if !interrupt::asked() {
@@ -141,7 +162,9 @@ pub fn discover_without(
     }
 
     let names = found.rounds.len();
-    let unseen = keep_borne_out(&problem, &mut found, &held_out)?;
+    let other = |log| Elsewhere::new(log, &record, (MOST_SAMPLES, stepped));
+    let others: Vec<_> = others.iter().map(other).collect::<Result<_, _>>()?;
+    let unseen = keep_borne_out(&problem, &mut found, &held_out, &others)?;
     if found.rounds.len() < names {
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }
@@ -395,7 +418,7 @@ fn named(
     found: &Search,
     standing: usize,
     clean: bool,
-    (weighed, unseen): (&Weighed, &[Unseen]),
+    (weighed, unseen): (&Weighed, &[Witnessed]),
     covariance: &DMatrix<f64>,
 ) -> Vec<Named> {
     let fit = &found.after.fit;
@@ -411,7 +434,7 @@ fn named(
             let other = other.map(|constant| round.gain + constant.lead);
             let left = match clean {
                 true => Left::Noise,
-                false => Left::more(unnamed, [share.value, share.error], unseen.t, tried),
+                false => Left::more(unnamed, [share.value, share.error], unseen.t(), tried),
             };
             let (confidence, rivals) = confidence(round, left, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
@@ -425,7 +448,8 @@ fn named(
                 confidence,
                 share: share.value,
                 share_error: share.error,
-                unseen_t: unseen.t,
+                unseen_t: unseen.unseen.t,
+                transfer_t: unseen.elsewhere,
                 gain: round.gain,
                 stays_ahead: round.stays_ahead,
                 rivals,
@@ -449,6 +473,7 @@ fn mapped_rest(rest: &Rest, of: f64) -> Option<Named> {
         share: of * rest.share.value,
         share_error: of * rest.share.error,
         unseen_t: rest.unseen.t,
+        transfer_t: None,
         gain: rest.unseen.series.iter().sum(),
         stays_ahead: 0.0,
         rivals: Vec::new(),

@@ -77,6 +77,9 @@ pub struct Named {
     /// What samples that no fit has seen say of it, given all the others: its gain there over its
     /// standard error, by blocks.
     pub unseen_t: f64,
+    /// The same on the other records; `None` where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transfer_t: Option<f64>,
     /// What its refit took from minus twice the log-likelihood.
     pub gain: f64,
     /// Share of the logs drawn from this one, block by block, in which it stays ahead of the best of

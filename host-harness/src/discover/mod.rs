@@ -45,4 +45,4 @@ mod undecided;
 mod ways;
 pub mod whereabouts;
 
-pub use answer::{DiscoverError, STEPS, discover, discover_without};
+pub use answer::{DiscoverError, STEPS, discover, discover_beside, discover_without};

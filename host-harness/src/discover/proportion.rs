@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use super::bootstrap::stays_ahead;
 use super::confidence::SIGMAS;
-use super::evidence::{Budget, FreeRun, Share, Unseen, Weighed, unseen, weigh};
+use super::evidence::{
+    Budget, Elsewhere, FreeRun, Share, Unseen, Weighed, together, unseen, weigh,
+};
 use super::findings::{Answer, Named, knots_of};
 use super::gate::Remainder;
 use super::needless::bare;
@@ -49,7 +51,7 @@ pub(super) fn weighed(
     walk: Option<Walk>,
     noise: &Noise,
     held_out: &[bool],
-    effects: &[Unseen],
+    effects: &[Witnessed],
 ) -> Result<(Weighed, FreeRun), BuildError> {
     let models = [&found.before.fit, &found.after.fit];
     let free_run = || FreeRun::of(problem.record, models, noise, held_out);
@@ -57,14 +59,15 @@ pub(super) fn weighed(
         let shares = vec![Share::default(); effects.len()];
         return Ok((Weighed { budget: None, shares }, free_run()?));
     };
-    let evidence = || weigh(problem, models, walk, [noise, &found.expected], held_out, effects);
+    let effects: Vec<_> = effects.iter().map(|own| own.unseen.clone()).collect();
+    let evidence = || weigh(problem, models, walk, [noise, &found.expected], held_out, &effects);
     let (weighed, free_run) = rayon::join(evidence, free_run);
     Ok((weighed?, free_run?))
 }
 
 /// Takes effects back that samples which no fit has seen speak against, given the others: they are only
 /// possible. Such samples do where an effect makes them unlikelier beyond its standard error. Answers with what
-/// those samples say of the rest.
+/// those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -72,12 +75,13 @@ pub(super) fn keep_borne_out(
     problem: &Problem<'_>,
     found: &mut Search,
     tested: &[bool],
-) -> Result<Vec<Unseen>, BuildError> {
+    others: &[Elsewhere],
+) -> Result<Vec<Witnessed>, BuildError> {
     loop {
-        let asked = asked(problem, found, tested)?;
-        let worst = asked.iter().enumerate().min_by(|a, b| a.1.0.t.total_cmp(&b.1.0.t));
-        let Some((k, _)) = worst.filter(|(_, (unseen, _))| unseen.t < -SIGMAS) else {
-            return Ok(asked.into_iter().map(|(unseen, _)| unseen).collect());
+        let asked = asked(problem, found, tested, others)?;
+        let worst = asked.iter().enumerate().min_by(|a, b| a.1.0.least().total_cmp(&b.1.0.least()));
+        let Some((k, _)) = worst.filter(|(_, (own, _))| own.least() < -SIGMAS) else {
+            return Ok(asked.into_iter().map(|(own, _)| own).collect());
         };
         let without = asked.into_iter().nth(k).map(|(_, without)| without);
         let round = found.rounds.remove(k);
@@ -87,19 +91,47 @@ pub(super) fn keep_borne_out(
     }
 }
 
+/// What samples that no fit has seen say of an effect.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Witnessed {
+    /// Those of the logs themselves.
+    pub(super) unseen: Unseen,
+    /// The t of the other records together; `None` where there are none.
+    pub(super) elsewhere: Option<f64>,
+}
+
+impl Witnessed {
+    /// The t of whoever speaks against it most.
+    fn least(&self) -> f64 {
+        self.elsewhere.map_or(self.unseen.t, |other| self.unseen.t.min(other))
+    }
+
+    /// The t of all together.
+    pub(super) fn t(&self) -> f64 {
+        together(self.elsewhere.into_iter().chain([self.unseen.t]))
+    }
+}
+
 /// What unseen samples say of every effect, given the others, and the model without it.
 fn asked(
     problem: &Problem<'_>,
     found: &Search,
     tested: &[bool],
-) -> Result<Vec<(Unseen, Stage)>, BuildError> {
+    others: &[Elsewhere],
+) -> Result<Vec<(Witnessed, Stage)>, BuildError> {
     let rounds = found.rounds.len();
     let one = |k: usize| {
         let without = match rounds {
             1 => found.before.clone(),
             _ => bare(problem.rough(), found, k)?,
         };
-        Ok((unseen(problem, &without.fit, &found.after.fit, tested)?, without))
+        let unseen = unseen(problem, &without.fit, &found.after.fit, tested)?;
+        let others: Vec<f64> = others
+            .iter()
+            .map(|other| other.asked([&without.fit, &found.after.fit], &found.expected))
+            .collect::<Result<_, _>>()?;
+        let elsewhere = (!others.is_empty()).then(|| together(others.iter().copied()));
+        Ok((Witnessed { unseen, elsewhere }, without))
     };
     (0..rounds).into_par_iter().map(one).collect()
 }
@@ -130,6 +162,7 @@ pub(super) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
             share: 0.0,
             share_error: 0.0,
             unseen_t: 0.0,
+            transfer_t: None,
             gain: contender.gain,
             stays_ahead,
             rivals: Vec::new(),
@@ -174,14 +207,14 @@ mod tests {
         found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
         found.rounds.push(trial::round(1e4));
         let mut wrong = found.clone();
-        let unseen = keep_borne_out(&problem, &mut found, &tested).unwrap();
-        assert!(found.rounds.len() == 1 && unseen[0].t > 0.0);
+        let unseen = keep_borne_out(&problem, &mut found, &tested, &[]).unwrap();
+        assert!(found.rounds.len() == 1 && unseen[0].t() > 0.0);
         // Where no equation stands out nothing is weighed, and no effect is lost by it.
         let noise = found.after.fit.noise;
         let (weighed, _) = weighed(&problem, &found, None, &noise, &tested, &unseen).unwrap();
         assert_eq!(weighed.shares.len(), 1);
         wrong.after.fit.model.effects[0].values[1] *= -1.0;
-        keep_borne_out(&problem, &mut wrong, &tested).unwrap();
+        keep_borne_out(&problem, &mut wrong, &tested, &[]).unwrap();
         assert!(wrong.rounds.is_empty() && wrong.after.fit.model.effects.is_empty());
         assert_eq!(possible(&wrong, &mask)[0].kind, "cogging");
     }

@@ -83,10 +83,12 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
         let _ = writeln!(
             page,
             "<p class=note>Right with a probability of {}. It explains {share} of what the refitted model misses. \
-             On samples that no fit has seen it improves the fit by {} times its standard error, and in {} of the \
-             logs drawn anew from this one it stays ahead of every other name.</p>",
+             On samples that no fit has seen it improves the fit by {} times its standard error{}, and in {} of \
+             the logs drawn anew from this one it stays ahead of every other name.</p>",
             per_cent(own.confidence),
             digits(own.unseen_t, 2),
+            own.transfer_t
+                .map_or(String::new(), |t| format!(", on other records by {}", digits(t, 2))),
             per_cent(own.stays_ahead)
         );
         values(page, own);

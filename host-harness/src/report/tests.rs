@@ -44,6 +44,7 @@ pub(super) fn findings(samples: usize) -> Findings {
             share: 0.9,
             share_error: 0.02,
             unseen_t: 12.0,
+            transfer_t: Some(5.0),
             stays_ahead: 1.0,
             rivals: vec![Rival {
                 kind: "gravity".into(),

@@ -136,6 +136,19 @@ pub fn transfer(model: &Model, log: &Log) -> Result<Transfer, BuildError> {
     })
 }
 
+/// A model with the level of friction that a log's first seconds tell; as it is where they do not.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn levelled(model: &Model, log: &Log) -> Result<Model, BuildError> {
+    let measured = Measured::new(model, log);
+    let Some(begin) = (0..log.len()).find(|k| measured.at(*k).is_some()) else {
+        return Ok(model.clone());
+    };
+    let (scale, _) = level::scale(model, log, &measured, begin)?;
+    Ok(scale.map_or_else(|| model.clone(), |scale| with_friction(model, scale)))
+}
+
 /// Errors over windows from the measured state, of the model and of one that goes on at its speed, and how
 /// many there are.
 fn in_windows(

@@ -8,7 +8,7 @@ use joint_core::effect::Kind;
 use super::load::read_checked;
 use super::{Common, Failure, Outcome, read_model};
 use crate::discover::findings::{Answer, Findings};
-use crate::discover::{DiscoverError, STEPS, discover_without};
+use crate::discover::{DiscoverError, STEPS, discover_beside};
 use crate::interrupt;
 use crate::log::Log;
 use crate::output::OutDir;
@@ -20,7 +20,8 @@ use crate::report::{self, Source, quoted};
 /// where another run would decide. An interrupt concludes from what is known by then.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
-  joint discover --model arm.toml --log arm.csv --out found")]
+  joint discover --model arm.toml --log arm.csv --out found
+  joint discover --model arm.toml --log arm.csv --transfer other-day.csv --out found")]
 pub struct Args {
     /// Model file
     #[arg(short = 'm', long, value_name = "TOML")]
@@ -28,6 +29,9 @@ pub struct Args {
     /// Logs of the joint; - is standard input
     #[arg(short = 'l', long, value_name = "CSV", required = true, num_args = 1..)]
     pub log: Vec<PathBuf>,
+    /// Other records of the joint, that nothing is fitted to: what they speak against is only possible
+    #[arg(short = 't', long, value_name = "CSV", num_args = 1..)]
+    pub transfer: Vec<PathBuf>,
     /// Folder for the result
     #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
@@ -52,6 +56,10 @@ impl Args {
         if !self.without.is_empty() {
             let kinds: Vec<&str> = self.without.iter().map(|kind| kind.spec().kind).collect();
             command += &format!(" --without {}", kinds.join(","));
+        }
+        if !self.transfer.is_empty() {
+            let others: Vec<String> = self.transfer.iter().map(|log| quoted(log)).collect();
+            command += &format!(" --transfer {}", others.join(" "));
         }
         if self.anyway {
             command += " --anyway";
@@ -78,13 +86,15 @@ const FILES: [&str; 5] =
 /// Bad input, or a result that may not be overwritten.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let out = OutDir::new(&args.out, common.force)?
-        .apart_from(args.log.iter().chain([&args.model]), &FILES)?;
+        .apart_from(args.log.iter().chain(&args.transfer).chain([&args.model]), &FILES)?;
     let model = read_model(&args.model)?;
     let checked = |path: &PathBuf| read_checked(path, (&args.model, &model), args.anyway);
     let logs: Vec<_> = args.log.iter().map(checked).collect::<Result<_, _>>()?;
     let bar = common.progress(STEPS, "discover");
     interrupt::watch();
-    let findings = discover_without(&model, &logs, &args.without, &bar).map_err(failure)?;
+    let others: Vec<_> = args.transfer.iter().map(checked).collect::<Result<_, _>>()?;
+    let findings =
+        discover_beside(&model, (&logs, &others), &args.without, &bar).map_err(failure)?;
     bar.finish_and_clear();
     write(&out, &findings, &logs, &args.source(&out))?;
     let report = out.path().join("report.html");
@@ -146,12 +156,13 @@ pub(super) fn summary(findings: &Findings) -> String {
             .collect();
         let _ = writeln!(
             text,
-            "  {} ({}), confidence {:.2}, {:.1} ± {:.1} % of the gap: {}",
+            "  {} ({}), confidence {:.2}, {:.1} ± {:.1} % of the gap{}: {}",
             effect.kind,
             effect.location,
             effect.confidence,
             100.0 * effect.share,
             100.0 * effect.share_error,
+            effect.transfer_t.map_or(String::new(), |t| format!(", t {t:.1} on other records")),
             values.join(", ")
         );
     }

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::discover::{failure, write};
 use super::transfer::prefixed;
 use super::{Common, Failure, Outcome, read_log, read_model};
-use crate::discover::discover;
+use crate::discover::discover_beside;
 use crate::discover::findings::Named;
 use crate::interrupt;
 use crate::log::Need;
@@ -59,7 +59,8 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
         let other = |path: &PathBuf| Ok::<_, Failure>((path.clone(), read(path)?));
         let others: Vec<_> = machine.transfer.iter().map(other).collect::<Result<_, _>>()?;
         let hidden = indicatif::ProgressBar::hidden();
-        let findings = discover(&model, &logs, &hidden).map_err(failure)?;
+        let asked: Vec<_> = others.iter().map(|(_, log)| log.clone()).collect();
+        let findings = discover_beside(&model, (&logs, &asked), &[], &hidden).map_err(failure)?;
         if interrupt::asked() {
             break;
         }
@@ -68,6 +69,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
             model: machine.nominal.clone(),
             log: machine.logs.clone(),
             out: kept.path().to_owned(),
+            transfer: machine.transfer.clone(),
             without: Vec::new(),
             anyway: true,
         };
@@ -108,7 +110,7 @@ fn table(rows: &[Told]) -> String {
             row.samples,
             row.duration_s,
             verdict.verdict.name(),
-            list(verdict.effects.iter().map(effect)),
+            list(verdict.effects.iter().chain(&verdict.unnamed).map(effect)),
             left(row),
             list(runs),
             verdict.seconds
@@ -144,8 +146,14 @@ fn table(rows: &[Told]) -> String {
 }
 
 fn effect(own: &Named) -> String {
+    let order = own
+        .parameters
+        .get("order")
+        .map_or(String::new(), |order| format!(" of order {}", (1e4 * order).round() / 1e4));
+    let elsewhere =
+        own.transfer_t.map_or(String::new(), |t| format!(", t {t:.1} on the other records"));
     format!(
-        "{} ({}) {:.2}, {:.0} ± {:.0} %",
+        "{}{order} ({}) {:.2}, {:.0} ± {:.0} %{elsewhere}",
         own.kind,
         own.location,
         own.confidence,

@@ -10,8 +10,8 @@ use serde_json::json;
 
 use super::discover::{failure, write};
 use super::{Common, Failure, Outcome, read_log, read_model};
-use crate::discover::discover_without;
 use crate::discover::findings::Answer;
+use crate::discover::{discover_beside, discover_without};
 use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
@@ -136,7 +136,12 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
             break;
         }
         let kept = out.folder(&case.case, common.force)?;
-        write(&kept, &findings, &logs, &command(path, paths, &kept, withdrawn).source(&kept))?;
+        write(
+            &kept,
+            &findings,
+            &logs,
+            &command(path, (paths, Vec::new()), &kept, withdrawn).source(&kept),
+        )?;
         kept.finish()?;
         rows.push(row(case, &findings));
         bar.inc(1);
@@ -198,8 +203,9 @@ fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row
     let Trial { case, nominal, logs, withdrawn } = args.draws.trial(args.seed, number)?;
     let withdrawn: Vec<_> = withdrawn.into_iter().collect();
     let hidden = indicatif::ProgressBar::hidden();
-    // The further records are for what asks whether a fit transfers.
-    let findings = discover_without(&nominal, &logs[..1], &withdrawn, &hidden).map_err(failure)?;
+    // The further records are what the names are asked of.
+    let records = logs.split_at(1);
+    let findings = discover_beside(&nominal, records, &withdrawn, &hidden).map_err(failure)?;
     let row = row(&case, &findings);
     if !row.right && !interrupt::asked() {
         let kept = out.folder(&case.case, force)?;
@@ -208,8 +214,8 @@ fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row
         for (place, log) in logs.iter().enumerate() {
             paths.push(kept.write(&log_name(place), log.to_csv())?);
         }
-        paths.truncate(1);
-        let source = command(model, paths, &kept, withdrawn).source(&kept);
+        let others = paths.split_off(1);
+        let source = command(model, (paths, others), &kept, withdrawn).source(&kept);
         write(&kept, &findings, &logs[..1], &source)?;
         kept.finish()?;
     }
@@ -219,11 +225,18 @@ fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row
 /// What would give a case's answer alone.
 fn command(
     model: PathBuf,
-    log: Vec<PathBuf>,
+    (log, transfer): (Vec<PathBuf>, Vec<PathBuf>),
     kept: &OutDir,
     without: Vec<Kind>,
 ) -> super::discover::Args {
-    super::discover::Args { model, log, out: kept.path().to_owned(), without, anyway: true }
+    super::discover::Args {
+        model,
+        log,
+        out: kept.path().to_owned(),
+        transfer,
+        without,
+        anyway: true,
+    }
 }
 
 /// File of a case's log: the first is what is asked about.

@@ -63,8 +63,8 @@ impl Shape {
 }
 
 /// The maps at this place that predict a disturbance on blocks which they were not fitted to: over the travel,
-/// over a turn, over the speed, of each the coarsest that is as good as the best; none where none does so
-/// beyond chance.
+/// over a turn, over the speed, of each the coarsest that is as good as the best, in the order of what they
+/// predict; none where none does so beyond chance.
 pub(super) fn fitted_maps(of: &Unexplained<'_>, place: Location) -> Vec<EffectParameters> {
     let Some(rows) = Rows::of(of) else { return Vec::new() };
     let shapes = rows.shapes();
@@ -82,9 +82,12 @@ pub(super) fn fitted_maps(of: &Unexplained<'_>, place: Location) -> Vec<EffectPa
         let best = own().map(|own| own.2).max_by(|a, b| a.value.total_cmp(&b.value))?;
         // Breiman and others 1984: within a standard error of the best.
         let (design, smoothing, _) = own().find(|own| own.2.value >= best.value - best.error)?;
-        rows.effect(design.shape, &design.fitted(*smoothing)?, place)
+        Some((best.value, rows.effect(design.shape, &design.fitted(*smoothing)?, place)?))
     };
-    [Over::Span, Over::Turn, Over::Speed].into_iter().filter_map(of).collect()
+    let mut maps: Vec<_> =
+        [Over::Span, Over::Turn, Over::Speed].into_iter().filter_map(of).collect();
+    maps.sort_by(|a, b| b.0.total_cmp(&a.0));
+    maps.into_iter().map(|(_, map)| map).collect()
 }
 
 /// The samples that are numbers.

@@ -8,6 +8,7 @@
 
 mod blocks;
 mod budget;
+mod elsewhere;
 mod excitation;
 mod generic;
 mod hats;
@@ -19,6 +20,7 @@ mod unseen;
 pub use blocks::{Blocks, Share};
 pub use budget::{Budget, FreeRun};
 pub(super) use budget::{Weighed, weigh};
+pub(super) use elsewhere::{Elsewhere, together};
 pub(super) use excitation::cannot_tell;
 pub use generic::Predicted;
 pub(super) use rest::{Rest, mapped};
