@@ -28,7 +28,8 @@ const TOLERANCE: f64 = 0.01;
 /// model fails on samples that no fit has seen, or where nobody could look; a disturbance that follows
 /// nothing is no law that is missing.
 pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -> Answer {
-    let harmless = budget.is_some_and(|budget| budget.unnamed_of_drive <= TOLERANCE);
+    let little = |budget: &Budget| budget.unnamed_of_drive.is_some_and(|share| share <= TOLERANCE);
+    let harmless = budget.is_some_and(|budget| budget.unnamed <= 0.0 || little(budget));
     let noise = left.complaints(!named).is_empty();
     match named {
         _ if !noise && (!harmless || left.fails_unseen()) => Answer::Unknown,
@@ -146,12 +147,13 @@ mod tests {
         let quiet = Remainder { drive: 1.0, torque: 1.0, unseen: 1.0, ..Remainder::default() };
         let loud = Remainder { torque: 10.0, ..quiet.clone() };
         let failing = Remainder { unseen: 2.0, ..loud.clone() };
-        let of = |unnamed_of_drive: f64| Budget { unnamed_of_drive, ..Budget::default() };
-        let (little, much) = (of(0.5 * TOLERANCE), of(2.0 * TOLERANCE));
+        let of = |share| Budget { unnamed: 0.1, unnamed_of_drive: share, ..Budget::default() };
+        let (little, much) = (of(Some(0.5 * TOLERANCE)), of(Some(2.0 * TOLERANCE)));
         for (named, told) in [(true, Answer::Effect), (false, Answer::Adequate)] {
             assert_eq!(answered(named, &quiet, Some(&much)), told);
             assert_eq!(answered(named, &loud, Some(&little)), told);
             assert_eq!(answered(named, &loud, Some(&much)), Answer::Unknown);
+            assert_eq!(answered(named, &loud, Some(&of(None))), Answer::Unknown);
             assert_eq!(answered(named, &failing, Some(&little)), Answer::Unknown);
             assert_eq!(answered(named, &loud, None), Answer::Unknown);
         }
