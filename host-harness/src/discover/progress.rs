@@ -21,7 +21,7 @@ impl Search {
 
 #[cfg(test)]
 mod tests {
-    use super::super::search::{Search, add_settled};
+    use super::super::search::{MOST_EFFECTS, Search, add_settled};
     use super::super::trial;
     use crate::estimate::fit::Problem;
     use crate::estimate::noise;
@@ -37,7 +37,8 @@ mod tests {
         let mut search = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
         add_settled(problem, &mut search, 1).unwrap();
         let message = search.bar.message();
-        assert!(message.starts_with("effect 1 of at most 4: fitting the "), "{message}");
+        let start = format!("effect 1 of at most {MOST_EFFECTS}: fitting the ");
+        assert!(message.starts_with(&start), "{message}");
         assert!(message.ends_with(" known effects"), "{message}");
     }
 }
