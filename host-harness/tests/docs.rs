@@ -1,6 +1,6 @@
 //! The documents say what the code does.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use host_harness::import::map_file;
 use host_harness::import::signal::Signal;
@@ -114,4 +114,77 @@ fn the_documented_units_are_read() {
             assert!(signals.iter().any(known), "{start} {unit}");
         }
     }
+}
+
+/// The pages of `docs/`, by name.
+fn pages() -> Vec<(PathBuf, String)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut pages: Vec<_> = files
+        .filter(|path| path.extension().is_some_and(|end| end == "md"))
+        .map(|path| (path.clone(), std::fs::read_to_string(path).unwrap()))
+        .collect();
+    pages.sort();
+    pages
+}
+
+/// A page without what stands in backticks.
+fn prose(text: &str) -> String {
+    let outside = |text: &str, mark: &str| -> String { text.split(mark).step_by(2).collect() };
+    outside(&outside(text, "```"), "`")
+}
+
+/// Where the links and pictures of a page lead.
+fn targets(text: &str) -> Vec<String> {
+    let prose = prose(text);
+    let ends = prose.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
+    ends.map(|(target, _)| target.to_owned()).collect()
+}
+
+/// What headings are linked by, as GitHub and mdBook make it.
+fn anchors(text: &str) -> Vec<String> {
+    let outside: String = text.split("```").step_by(2).collect();
+    let headings = outside.lines().filter(|line| line.starts_with('#'));
+    let anchor = |line: &str| {
+        let title = line.trim_start_matches('#').trim().to_lowercase();
+        let kept = title.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    headings.map(anchor).collect()
+}
+
+#[test]
+fn every_link_of_the_pages_leads_somewhere() {
+    let mut links = 0;
+    for (path, text) in pages() {
+        let name = path.display();
+        for target in targets(&text).iter().filter(|target| !target.contains("://")) {
+            let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let other = match file {
+                "" => path.clone(),
+                file => path.with_file_name(file),
+            };
+            assert!(other.exists(), "{name}: no file behind {target}");
+            if !anchor.is_empty() {
+                let known = anchors(&std::fs::read_to_string(&other).unwrap());
+                assert!(known.iter().any(|own| own == anchor), "{name}: no heading for {target}");
+            }
+            links += 1;
+        }
+    }
+    assert!(links > 40, "{links} links");
+}
+
+/// A page that the table of contents lacks is not built.
+#[test]
+fn every_page_stands_once_in_the_table_of_contents() {
+    let pages = pages();
+    let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_owned();
+    let (contents, others): (Vec<_>, Vec<_>) =
+        pages.iter().partition(|(path, _)| name(path) == "SUMMARY.md");
+    let mut told = targets(&contents[0].1);
+    let mut files: Vec<_> = others.iter().map(|(path, _)| name(path)).collect();
+    told.sort();
+    files.sort();
+    assert_eq!(told, files);
 }

@@ -91,7 +91,7 @@ class Table(Mapping[str, "array[float]"]):
                 file.write(",".join("" if value != value else repr(value) for value in row) + "\n")
 
 
-Log = Union[str, os.PathLike, Mapping[str, Any], "pandas.DataFrame", Table]
+Log = Union[str, os.PathLike[str], Mapping[str, Any], "pandas.DataFrame", Table]
 """A log: a path, a data frame, or a mapping of columns."""
 
 

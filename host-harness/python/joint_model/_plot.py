@@ -31,7 +31,7 @@ def _figure(rows: int) -> tuple[Figure, Sequence[Any]]:
     figure, axes = pyplot.subplots(
         rows, 1, sharex=True, squeeze=False, layout="constrained", figsize=(8, 1 + 1.9 * rows)
     )
-    return figure, axes[:, 0]
+    return figure, list(axes[:, 0])
 
 
 def columns(table: Table) -> Figure:

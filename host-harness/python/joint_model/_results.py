@@ -52,7 +52,7 @@ class Effect:
     def _of(cls, raw: dict[str, Any]) -> Effect:
         rivals = [Rival(own["kind"], own["location"], own["confidence"]) for own in raw["rivals"]]
         own = ("kind", "location", "parameters", "standard_errors", "confidence", "share", "share_error")
-        return cls(*(raw[name] for name in own), rivals)
+        return cls(**{name: raw[name] for name in own}, rivals=rivals)
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,6 @@ use crate::model::Model;
 use crate::plant::{BuildError, micro_steps};
 use crate::preflight::{self, LEAST_SAMPLES};
 
-/// Steps of the progress bar.
-pub const STEPS: u64 = 8;
 /// Blocks of a log, and those that are held out.
 const BLOCKS: usize = 10;
 const HELD_OUT: [usize; 3] = [3, 6, 9];
@@ -134,11 +132,10 @@ pub fn discover_beside(
     record = timed;
     let problem = Problem::new(&record, &fitted);
 
-    bar.set_message("is what is left noise?");
+    bar.set_message("asking whether what is left is noise");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
-    bar.inc(1);
     if !remainder.complaints(found.rounds.is_empty()).is_empty()
-        && let Some(better) = search_coloured(problem, &found, bar)?
+        && let Some(better) = search_coloured(problem, &found)?
     {
         found = better;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
@@ -168,7 +165,7 @@ pub fn discover_beside(
     if found.rounds.len() < names {
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }
-    bar.set_message("where they disagree, and what to measure next");
+    bar.set_message("locating what is left, and what to measure next");
     let (before, after) = (&found.before.fit, &found.after.fit);
     // Where nothing was found, the gap is counted in noise that is believable, not in noise that
     // hides what is missing.
@@ -203,7 +200,7 @@ pub fn discover_beside(
     }
     let complaints = remainder.complaints(found.rounds.is_empty());
     let constant = found.constant.is_some_and(|constant| constant.undecided());
-    bar.inc(1);
+    bar.set_message("weighing what was found on samples that no fit has seen");
     let scout = Scout::of(&record, &fitted, nominal);
     let looked_at = Problem::new(&record, &every).scouted(scout.as_ref());
     let walk = disagreement.walk;
@@ -218,7 +215,7 @@ pub fn discover_beside(
     let matters = weighed.budget.as_ref().is_some_and(matters) && !interrupt::asked();
     let rest = match walk.filter(|_| answer == Answer::Unknown && matters) {
         Some(walk) => {
-            bar.set_message("what has no name");
+            bar.set_message("laying what has no name into a map");
             mapped(&problem, &found.after, walk, [&calm, &found.expected], &held_out)?
         }
         None => None,

@@ -8,7 +8,6 @@
 
 use std::borrow::Cow;
 
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -50,12 +49,11 @@ const ROUNDS: usize = 3;
 pub(super) fn search_coloured(
     problem: Problem<'_>,
     found: &Search,
-    bar: &ProgressBar,
 ) -> Result<Option<Search>, BuildError> {
     if excess(found) <= LOST || interrupt::asked() {
         return Ok(None);
     }
-    let mut other = go_on(&problem, found.clone(), bar)?;
+    let mut other = go_on(&problem, found.clone())?;
     let names = |search: &Search| search.rounds.iter().map(|round| round.name).collect::<Vec<_>>();
     if names(&other) == names(found) || interrupt::asked() {
         return Ok(None);
@@ -89,13 +87,9 @@ fn disturbance(problem: &Problem<'_>, fit: &Fit, expected: &Noise) -> Result<f64
 
 /// Goes on from what a search without a coloured disturbance has found: its effects are asked again beside one,
 /// and others are looked for.
-fn go_on(
-    problem: &Problem<'_>,
-    mut search: Search,
-    bar: &ProgressBar,
-) -> Result<Search, BuildError> {
+fn go_on(problem: &Problem<'_>, mut search: Search) -> Result<Search, BuildError> {
     let expected = search.expected;
-    bar.set_message("refitting beside a coloured disturbance");
+    search.bar.set_message("fitting again beside a disturbance that is correlated in time");
     if search.rounds.is_empty() {
         let Stage { fit, origin } = &search.before;
         search.after = begun(problem, origin, fit, &expected)?;
@@ -103,16 +97,16 @@ fn go_on(
         recoloured(problem, &mut search.after, &expected)?;
     }
     eliminate(problem, &mut search)?;
-    grow(problem, &mut search, bar)?;
+    grow(problem, &mut search)?;
     Ok(search)
 }
 
 /// Adds effects until no more is found, and tries to do without each.
-fn grow(problem: &Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+fn grow(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     let expected = search.expected;
     while search.rounds.len() < MOST_EFFECTS && !interrupt::asked() {
         let round = search.rounds.len() + 1;
-        bar.set_message(format!("looking for an effect, round {round}"));
+        search.tell(round, "scoring the known effects beside a disturbance");
         if !add(problem, search, round)? {
             break;
         }
@@ -120,7 +114,7 @@ fn grow(problem: &Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result
         ask_order(problem.rough(), search, last)?;
         recoloured(problem, &mut search.after, &expected)?;
     }
-    bar.set_message("trying to do without");
+    search.bar.set_message("asking whether each effect is needed beside a disturbance");
     eliminate(problem, search)
 }
 
@@ -322,7 +316,7 @@ mod tests {
         let name = (drag.kind, drag.location);
         found.rounds.push(Round { name, ..trial::round(100.0) });
         assert!(excess(&found) > LOST, "{}", excess(&found));
-        let other = search_coloured(problem, &found, &ProgressBar::hidden()).unwrap().unwrap();
+        let other = search_coloured(problem, &found).unwrap().unwrap();
         let names: Vec<_> = other.rounds.iter().map(|round| round.name).collect();
         assert_eq!(names, [(Kind::Cogging, Location::Motor)]);
         let line = other.after.fit.model.effects[0];

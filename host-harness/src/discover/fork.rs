@@ -3,8 +3,6 @@
 //! Which of them comes first is then decided by a hollow of the fit, and every later name is one beside it.
 //! So where something is still missing in the end, the way that the second one leads is gone as well.
 
-use indicatif::ProgressBar;
-
 use super::bootstrap::stays_ahead;
 use super::search::{Contender, LEAST_GAIN, Round, Search, Stage, excess, look};
 use crate::estimate::fit::Problem;
@@ -42,11 +40,7 @@ impl Search {
 ///
 /// # Errors
 /// The model cannot be built.
-pub(super) fn try_fork(
-    last: Problem<'_>,
-    search: &mut Search,
-    bar: &ProgressBar,
-) -> Result<(), BuildError> {
+pub(super) fn try_fork(last: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     let Some(second) = search.second.take() else { return Ok(()) };
     if interrupt::asked() || excess(search) < DOUBTED {
         return Ok(());
@@ -63,7 +57,7 @@ pub(super) fn try_fork(
     other.after = stage;
     other.scores.retain(|row| row.round == 1);
     other.chance.truncate(1);
-    look(last, &mut other, bar)?;
+    look(last, &mut other)?;
     if cost(&search.after.fit) - cost(&other.after.fit) > LEAST_GAIN {
         let reached = &search.after;
         other.rounds[0].stays_ahead =
@@ -109,7 +103,7 @@ mod tests {
         });
         search.after = first;
         search.keep_second();
-        try_fork(problem, &mut search, &ProgressBar::hidden()).unwrap();
+        try_fork(problem, &mut search).unwrap();
         assert_eq!(search.rounds.len(), 1);
         search.after.fit.model.effects[0].values[0]
     }

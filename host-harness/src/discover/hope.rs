@@ -4,8 +4,6 @@
 //! nothing else is found it is tried once more, and stays only if another name beside it explains what
 //! is missing; then it is asked for again beside that company, where its rivals can be told from it.
 
-use indicatif::ProgressBar;
-
 use super::bootstrap::stays_ahead;
 use super::needless::bare;
 use super::search::{
@@ -29,17 +27,13 @@ impl Search {
 ///
 /// # Errors
 /// The model cannot be built.
-pub(super) fn try_hope(
-    last: Problem<'_>,
-    search: &mut Search,
-    bar: &ProgressBar,
-) -> Result<(), BuildError> {
+pub(super) fn try_hope(last: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     let Some((Contender { name, gain }, stage)) = search.hope.clone() else { return Ok(()) };
     let mut other = Search { hope: None, ..search.clone() };
     let stays_ahead = stays_ahead(&stage.fit, &[&search.after.fit], last.mask);
     other.rounds.push(Round { name, gain, rivals: Vec::new(), runner_up: None, stays_ahead });
     other.after = stage;
-    look(last, &mut other, bar)?;
+    look(last, &mut other)?;
     if other.rounds.len() > 1 && excess(&other) < HELPS * excess(search) {
         ask_again(last.rough(), &mut other)?;
         *search = other;

@@ -30,6 +30,7 @@ mod measured;
 mod needless;
 pub mod next_experiment;
 mod order;
+mod progress;
 mod proportion;
 pub mod protected;
 mod reasons;
@@ -45,4 +46,4 @@ mod undecided;
 mod ways;
 pub mod whereabouts;
 
-pub use answer::{DiscoverError, STEPS, discover, discover_beside, discover_without};
+pub use answer::{DiscoverError, discover, discover_beside, discover_without};

@@ -41,7 +41,7 @@ pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -
 
 /// Whether what is predictable and has no name is more than a model is allowed to miss.
 pub(super) fn matters(budget: &Budget) -> bool {
-    budget.unnamed_of_drive > TOLERANCE
+    budget.unnamed > 0.0 && budget.unnamed_of_drive.is_none_or(|share| share > TOLERANCE)
 }
 
 /// What the effects explain in proportion, and how both models run free, on samples that no fit has seen.
@@ -184,12 +184,13 @@ mod tests {
         let quiet = Remainder { drive: 1.0, torque: 1.0, unseen: 1.0, ..Remainder::default() };
         let loud = Remainder { torque: 10.0, ..quiet.clone() };
         let failing = Remainder { unseen: 2.0, ..loud.clone() };
-        let of = |unnamed_of_drive: f64| Budget { unnamed_of_drive, ..Budget::default() };
-        let (little, much) = (of(0.5 * TOLERANCE), of(2.0 * TOLERANCE));
+        let of = |share| Budget { unnamed: 0.1, unnamed_of_drive: share, ..Budget::default() };
+        let (little, much) = (of(Some(0.5 * TOLERANCE)), of(Some(2.0 * TOLERANCE)));
         for (named, told) in [(true, Answer::Effect), (false, Answer::Adequate)] {
             assert_eq!(answered(named, &quiet, Some(&much)), told);
             assert_eq!(answered(named, &loud, Some(&little)), told);
             assert_eq!(answered(named, &loud, Some(&much)), Answer::Unknown);
+            assert_eq!(answered(named, &loud, Some(&of(None))), Answer::Unknown);
             assert_eq!(answered(named, &failing, Some(&little)), Answer::Unknown);
             assert_eq!(answered(named, &loud, None), Answer::Unknown);
         }

@@ -140,6 +140,8 @@ pub struct Search {
     pub(super) unconfirmed: Vec<(Contender, Stage)>,
     /// The name that was beaten by a little in the first round.
     pub(super) second: Option<Second>,
+    /// Where a person reads what is tried.
+    pub(super) bar: ProgressBar,
 }
 
 impl Search {
@@ -161,6 +163,7 @@ impl Search {
             hope: None,
             unconfirmed: Vec::new(),
             second: None,
+            bar: ProgressBar::hidden(),
         }
     }
 
@@ -187,45 +190,45 @@ pub fn search(
     // Contenders are told apart by tens; the model that is left in the end is polished.
     let last = problem;
     let mut search = Search::new(before, withdrawn, expected);
+    search.bar = bar.clone();
     add_measured(last.rough(), &mut search, measured)?;
-    look(last, &mut search, bar)?;
+    look(last, &mut search)?;
     if search.rounds.is_empty() && may_be_stuck(&last, &search)? {
-        look_from_elsewhere(last, &mut search, bar)?;
+        look_from_elsewhere(last, &mut search)?;
     }
     if search.rounds.is_empty() && excess(&search) > LOST {
-        try_hope(last, &mut search, bar)?;
+        try_hope(last, &mut search)?;
     }
-    try_fork(last, &mut search, bar)?;
+    try_fork(last, &mut search)?;
     if interrupt::asked() {
         return Ok(search);
     }
     if !search.rounds.is_empty() {
-        prove(last, &mut search, bar)?;
+        prove(last, &mut search)?;
         if search.rounds.is_empty() && !interrupt::asked() {
             // All was owed to a fit of the nominal that was stuck.
             search.before = search.after.clone();
-            look_from_elsewhere(last, &mut search, bar)?;
-            prove(last, &mut search, bar)?;
+            look_from_elsewhere(last, &mut search)?;
+            prove(last, &mut search)?;
         }
     }
-    bar.inc(1);
     Ok(search)
 }
 
 /// Lets every effect that was found prove that it is needed, now and when the springs are settled.
-fn prove(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<(), BuildError> {
+fn prove(last: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     let problem = last.rough();
-    bar.set_message("trying to do without");
+    search.bar.set_message("asking whether each effect is needed");
     let found = search.rounds.len();
     drop_needless(problem, search, false)?;
     if (1..found).contains(&search.rounds.len()) && excess(search) > DOUBTED {
-        look(last, search, bar)?;
+        look(last, search)?;
         drop_needless(problem, search, false)?;
     }
     if search.rounds.is_empty() {
         return Ok(());
     }
-    bar.set_message("settling the springs");
+    search.bar.set_message("fitting the springs of the gear again");
     if !is_futile(search) {
         let clean = is_clean(&last, search)?;
         settle(&last, search, clean)?;
@@ -234,28 +237,19 @@ fn prove(last: Problem<'_>, search: &mut Search, bar: &ProgressBar) -> Result<()
 }
 
 /// Looks again from a nominal fitted from elsewhere, where that one is likelier.
-fn look_from_elsewhere(
-    last: Problem<'_>,
-    search: &mut Search,
-    bar: &ProgressBar,
-) -> Result<(), BuildError> {
-    bar.set_message("refitting from elsewhere");
+fn look_from_elsewhere(last: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
+    search.bar.set_message("fitting the given model from other starts");
     if fit_from_elsewhere(&last, search)? > LEAST_GAIN {
         search.hope = None;
-        look(last, search, bar)?;
+        look(last, search)?;
     }
     Ok(())
 }
 
 /// Adds effects until no more is found.
-pub(super) fn look(
-    last: Problem<'_>,
-    search: &mut Search,
-    bar: &ProgressBar,
-) -> Result<(), BuildError> {
+pub(super) fn look(last: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     for round in search.rounds.len() + 1..=MOST_EFFECTS {
-        bar.inc(1);
-        bar.set_message(format!("looking for an effect, round {round}"));
+        search.tell(round, "scoring the known effects");
         let (before, known) = (excess(search), search.rounds.len());
         if interrupt::asked() || !add(last, search, round)? {
             break;
@@ -358,6 +352,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
     let best_of_name = first_of_each(ranked, |(hypothesis, _)| hypothesis.name());
     let first = best_of_name.first().map(|(hypothesis, _)| hypothesis.name());
     search.chance.push(first.map_or(by_chance, |name| least(search, name)));
+    let scored = best_of_name.len();
     for (hypothesis, gain) in &best_of_name {
         let name = title(hypothesis.name());
         search.scores.push(ScoreRow { round, name, score: gain.real, refitted: None });
@@ -373,6 +368,7 @@ fn add_one(problem: Problem<'_>, search: &mut Search, round: usize) -> Result<Lo
         .map(|(hypothesis, gain)| (hypothesis, gain.real))
         .take(SHORT)
         .collect();
+    search.tell_scored(round, scored, promising.len());
     let short = promising.par_iter().map(|(hypothesis, score)| {
         let (origin, coordinates) = base.widened(hypothesis);
         let start = hypothesis.added(&base.fit.model);

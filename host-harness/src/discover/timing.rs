@@ -36,7 +36,7 @@ pub(super) fn search_timed(
     known: (&[Kind], &[EffectParameters]),
     bar: &ProgressBar,
 ) -> Result<(Record, Search), BuildError> {
-    bar.set_message("refitting the nominal");
+    bar.set_message("fitting the parameters of the given model");
     let refitted = |record: &Record| {
         let scout = Scout::of(record, fitted, nominal);
         refit(&Problem::new(record, fitted).scouted(scout.as_ref()), nominal)

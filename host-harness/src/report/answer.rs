@@ -97,9 +97,9 @@ fn left(budget: &Budget) -> String {
         return format!("What is left in the {} equation is white noise.", budget.equation);
     }
     format!(
-        "What stays unexplained beside white noise is {} RMS, {} of what drives that equation.",
+        "What stays unexplained beside white noise is {} RMS{}.",
         si(budget.rms_left, &budget.unit, 2),
-        per_cent(budget.left_of_drive)
+        of_drive(", ", budget.left_of_drive, "that equation")
     )
 }
 
@@ -111,10 +111,10 @@ fn adequate(verdict: &Verdict) -> String {
             si(budget.rms_before, &budget.unit, 2)
         ),
         Some(budget) => format!(
-            "The refitted model explains the {} equation up to {} RMS, {} of what drives it.",
+            "The refitted model explains the {} equation up to {} RMS{}.",
             budget.equation,
             si(budget.rms_left, &budget.unit, 2),
-            per_cent(budget.left_of_drive)
+            of_drive(", ", budget.left_of_drive, "it")
         ),
         None => "The refitted model explains this log.".to_owned(),
     };
@@ -134,18 +134,17 @@ fn not_explained(verdict: &Verdict) -> String {
         return format!("{}.", capital(&place(&verdict.whereabouts)));
     };
     let whole = format!(
-        "In the {} equation {} RMS stay unexplained beside white noise, {} of what drives it.",
+        "In the {} equation {} RMS stay unexplained beside white noise{}.",
         budget.equation,
         si(budget.rms_left, &budget.unit, 2),
-        per_cent(budget.left_of_drive)
+        of_drive(", ", budget.left_of_drive, "it")
     );
     match budget.unnamed > 0.0 {
         true => format!(
-            "{whole} A part of it can be predicted, so it is a law without a name: {} RMS follow {} ({} \
-             of what drives the equation).",
+            "{whole} A part of it can be predicted, so it is a law without a name: {} RMS follow {}{}.",
             si(unnamed_rms(budget), &budget.unit, 2),
             the(&words(&budget.unnamed_follows)),
-            per_cent(budget.unnamed_of_drive)
+            of_drive(", ", budget.unnamed_of_drive, "the equation")
         ),
         false => format!(
             "{whole} It is correlated in time but follows no angle, speed, current or time that the log has."
@@ -169,15 +168,23 @@ fn possible(verdict: &Verdict) -> Option<String> {
     })
 }
 
+/// A remainder against what drives its equation; nothing where nothing does.
+pub(super) fn of_drive(before: &str, share: Option<f64>, equation: &str) -> String {
+    share.map_or(String::new(), |share| {
+        format!("{before}{} of what drives {equation}", per_cent(share))
+    })
+}
+
 /// To how much the model explains the equation that it misses most.
 pub(crate) fn to(verdict: &Verdict) -> String {
-    verdict.budget.as_ref().map_or(String::new(), |budget| {
-        format!(
-            ": the model explains the {} to {} of what drives it ({} RMS)",
+    verdict.budget.as_ref().map_or(String::new(), |budget| match budget.rms_left > 0.0 {
+        true => format!(
+            ": the model explains the {} to {} RMS{}",
             budget.equation,
-            per_cent(budget.left_of_drive),
-            si(budget.rms_left, &budget.unit, 3)
-        )
+            si(budget.rms_left, &budget.unit, 3),
+            of_drive(", ", budget.left_of_drive, "it")
+        ),
+        false => format!(": what is left of the {} is white noise", budget.equation),
     })
 }
 
@@ -192,10 +199,10 @@ pub(crate) fn budget(budget: &Budget) -> String {
     );
     if budget.unnamed > 0.0 {
         text += &format!(
-            "; {} follows {} and has no name ({} of what drives that equation)",
+            "; {} follows {} and has no name{}",
             per_cent(budget.unnamed),
             budget.unnamed_follows,
-            per_cent(budget.unnamed_of_drive)
+            of_drive(": ", budget.unnamed_of_drive, "that equation")
         );
     }
     text += &format!(

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::answer::unnamed_rms;
+use super::answer::{of_drive, unnamed_rms};
 use super::words::{effect, the, words};
 use crate::discover::evidence::Budget;
 use crate::discover::findings::{Answer, Gap, Named, Verdict};
@@ -30,9 +30,9 @@ pub(super) fn tiles(page: &mut String, verdict: &Verdict) {
         if verdict.verdict == Answer::Unknown && budget.unnamed > 0.0 {
             let follows = the(&words(&budget.unnamed_follows));
             let text = format!(
-                "RMS of {} has no name and follows {follows}: {} of what drives it",
+                "RMS of {} has no name and follows {follows}{}",
                 budget.equation,
-                per_cent(budget.unnamed_of_drive)
+                of_drive(": ", budget.unnamed_of_drive, "it")
             );
             tile(si(unnamed_rms(budget), &budget.unit, 2), text);
         }
@@ -43,10 +43,10 @@ pub(super) fn tiles(page: &mut String, verdict: &Verdict) {
         }
         match budget.rms_left > 0.0 {
             true => {
-                let share = per_cent(budget.left_of_drive);
                 let text = format!(
-                    "RMS of {} stays unexplained beside white noise: {share} of what drives it",
-                    budget.equation
+                    "RMS of {} stays unexplained beside white noise{}",
+                    budget.equation,
+                    of_drive(": ", budget.left_of_drive, "it")
                 );
                 tile(si(budget.rms_left, &budget.unit, 2), text);
             }

@@ -65,9 +65,9 @@ pub(super) fn findings(samples: usize) -> Findings {
             rms_before: 0.01,
             rms_after: 0.003,
             unnamed_follows: "motor_speed_rad_per_s".into(),
-            unnamed_of_drive: 0.02,
+            unnamed_of_drive: Some(0.02),
             rms_left: 0.0026,
-            left_of_drive: 0.04,
+            left_of_drive: Some(0.04),
         }),
         free_run: FreeRun {
             signals: BTreeMap::from([("motor_angle_rad".into(), [0.2, 0.01])]),

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::discover::{failure, summary, write};
 use super::{Common, Failure, Outcome};
 use crate::demo::riddle;
-use crate::discover::{STEPS, discover};
+use crate::discover::discover;
 use crate::output::OutDir;
 use crate::report::{Source, quoted};
 
@@ -36,7 +36,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let bar = common.progress(0, "the joint runs, with something hidden in it");
     let riddle = riddle(seed).map_err(|error| Failure::check(error.to_string()))?;
     bar.finish_and_clear();
-    let bar = common.progress(STEPS, "discover");
+    let bar = common.progress(0, "reading the log");
     let findings =
         discover(&riddle.nominal, std::slice::from_ref(&riddle.log), &bar).map_err(failure)?;
     bar.finish_and_clear();

@@ -8,7 +8,7 @@ use joint_core::effect::Kind;
 use super::load::read_checked;
 use super::{Common, Failure, Outcome, read_model};
 use crate::discover::findings::{Answer, Findings};
-use crate::discover::{DiscoverError, STEPS, discover_beside};
+use crate::discover::{DiscoverError, discover_beside};
 use crate::interrupt;
 use crate::log::Log;
 use crate::output::OutDir;
@@ -90,7 +90,7 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let model = read_model(&args.model)?;
     let checked = |path: &PathBuf| read_checked(path, (&args.model, &model), args.anyway);
     let logs: Vec<_> = args.log.iter().map(checked).collect::<Result<_, _>>()?;
-    let bar = common.progress(STEPS, "discover");
+    let bar = common.progress(0, "reading the logs");
     interrupt::watch();
     let others: Vec<_> = args.transfer.iter().map(checked).collect::<Result<_, _>>()?;
     let findings =

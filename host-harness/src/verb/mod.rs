@@ -29,10 +29,11 @@ pub mod score;
 pub mod simulate;
 pub mod transfer;
 
+use std::fmt::Write;
 use std::path::Path;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::fault::InputError;
 use crate::output::OutFile;
@@ -70,11 +71,14 @@ impl Common {
     pub fn progress(&self, steps: u64, what: &str) -> ProgressBar {
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
         let template = match steps {
-            0 => "{spinner} {msg} {elapsed}",
-            _ => "{msg} {wide_bar} {pos}/{len} {elapsed}",
+            0 => "{spinner} {msg}, {seconds}",
+            _ => "{msg} {wide_bar} {pos}/{len}, {seconds}",
         };
         if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
+            let seconds = |state: &ProgressState, text: &mut dyn Write| {
+                let _ = write!(text, "{} s", state.elapsed().as_secs());
+            };
+            bar.set_style(style.with_key("seconds", seconds));
         }
         bar.set_message(what.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));

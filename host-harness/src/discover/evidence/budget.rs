@@ -45,12 +45,13 @@ pub struct Budget {
     pub rms_after: f64,
     /// What the unnamed part follows; empty where there is none.
     pub unnamed_follows: String,
-    /// RMS of the unnamed part over the RMS of what drives that equation: whether it matters.
-    pub unnamed_of_drive: f64,
+    /// RMS of the unnamed part over the RMS of what drives that equation: whether it matters. Motor torque
+    /// drives a torque, voltage a voltage; `None` where nothing drives it.
+    pub unnamed_of_drive: Option<f64>,
     /// RMS of all that is left beside white noise, in the unit of the equation.
     pub rms_left: f64,
     /// The same over the RMS of what drives that equation: to how much the model explains it.
-    pub left_of_drive: f64,
+    pub left_of_drive: Option<f64>,
 }
 
 /// Free runs of both models over samples that no fit has seen.
@@ -113,7 +114,8 @@ pub(in super::super) fn weigh(
     let coordinates = coordinates(problem, &after.model, &new);
     let weights = weights(&coordinates);
     let unnamed = predicted(&left, &coordinates, &weights, &direction, tested);
-    let drive = drive(record, &after.model, walk, tested);
+    let currents: Vec<f64> = new.states.iter().map(|x| x[Layout::CURRENT]).collect();
+    let drive = drive(record, &after.model, walk, tested, &currents);
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
     Ok(Weighed { budget: Some(Budget { equation, unit: unit.to_owned(), ..budget }), shares })
@@ -176,11 +178,16 @@ fn split(
                 None => format!("{}{own}", unnamed.follows),
             }
         }),
-        unnamed_of_drive: if drive > 0.0 { unnamed_rms / drive } else { 0.0 },
+        unnamed_of_drive: over(unnamed_rms, drive),
         rms_left,
-        left_of_drive: if drive > 0.0 { rms_left / drive } else { 0.0 },
+        left_of_drive: over(rms_left, drive),
         ..Budget::default()
     }
+}
+
+/// A remainder over what drives its equation.
+fn over(rms: f64, drive: f64) -> Option<f64> {
+    (drive > 0.0).then(|| rms / drive)
 }
 
 /// Squares of the disturbance that is estimated where there is none but white noise: on bootstrap
@@ -208,15 +215,18 @@ fn white(
 }
 
 /// RMS over the tested samples of what drives the equation: motor torque, voltage, or the sensor's
-/// own signal about its mean.
-fn drive(record: &Record, model: &Model, walk: Walk, tested: &[bool]) -> f64 {
+/// own signal about its mean. `currents` are those of the filter: they stand in where none was measured.
+fn drive(record: &Record, model: &Model, walk: Walk, tested: &[bool], currents: &[f64]) -> f64 {
     let channel = |channel: Channel| -> Vec<f64> {
         record.measured.iter().map(|row| row[channel as usize]).collect()
     };
     let (values, scale) = match (walk.equation, record.drive) {
         (Equation::Voltage, _) => (record.drive_values.clone(), 1.0),
         (Equation::Torque(_), Drive::Voltage) => {
-            (channel(Channel::Current), model.motor.torque_constant_nm_per_a)
+            let measured = channel(Channel::Current);
+            let known = measured.iter().zip(currents);
+            let either = known.map(|(own, state)| if own.is_finite() { *own } else { *state });
+            (either.collect(), model.motor.torque_constant_nm_per_a)
         }
         (Equation::Torque(_), Drive::Current) => {
             (record.drive_values.clone(), model.motor.torque_constant_nm_per_a)
@@ -270,7 +280,9 @@ impl FreeRun {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::trial;
     use super::*;
+    use crate::log::Log;
 
     #[test]
     fn the_parts_add_up_to_one_and_none_is_below_zero() {
@@ -295,10 +307,36 @@ mod tests {
         let budget = split(&gone, 0.0, Some(&unnamed), 1000.0, 10.0);
         // 1 unit RMS is left, a quarter of its square is unnamed: 0.5 of 10.
         assert!((budget.rms_after - 1.0).abs() < 1e-12);
-        assert!((budget.unnamed_of_drive - 0.05).abs() < 1e-12, "{budget:?}");
+        assert!((budget.unnamed_of_drive.unwrap() - 0.05).abs() < 1e-12, "{budget:?}");
         assert!((budget.unnamed - 0.0625).abs() < 1e-12);
         // No white noise was given, so all of the one unit is left, a tenth of the drive.
         assert!((budget.rms_left - 1.0).abs() < 1e-12);
-        assert!((budget.left_of_drive - 0.1).abs() < 1e-12);
+        assert!((budget.left_of_drive.unwrap() - 0.1).abs() < 1e-12);
+        // Beside a drive of nothing there is no share, not one of zero.
+        let still = split(&gone, 0.0, Some(&unnamed), 1000.0, 0.0);
+        assert_eq!((still.unnamed_of_drive, still.left_of_drive), (None, None));
+    }
+
+    #[test]
+    fn motor_torque_drives_a_torque_with_or_without_a_measured_current_and_voltage_a_voltage() {
+        let model = trial::motor();
+        let log = trial::log(&model, trial::line(12.0), 4.0);
+        let blind = Log { current_a: None, ..log.clone() };
+        let [record, blind] = [&log, &blind].map(|log| Record::new(log, None));
+        let rms = |values: &[f64]| {
+            (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+        };
+        let tested = vec![true; record.len()];
+        let current = log.current_a.clone().unwrap();
+        let constant = model.motor.torque_constant_nm_per_a;
+        let of = |record: &Record, equation: Equation| {
+            drive(record, &model, Walk::random(equation, 1.0, 1.0), &tested, &current)
+        };
+        for record in [&record, &blind] {
+            let torque = of(record, Equation::Torque(0));
+            assert!((torque / (constant * rms(&current)) - 1.0).abs() < 1e-9, "{torque}");
+            let volts = of(record, Equation::Voltage);
+            assert!((volts / rms(&record.drive_values) - 1.0).abs() < 1e-9, "{volts}");
+        }
     }
 }
