@@ -269,8 +269,8 @@ fn soak<S: Real>(seconds: u32, seed: u64) -> Counts {
         let part = track.state.angle.part.to_f64() - plant.state.angle.part;
         let turned = (f64::from(whole) + part).round();
         if turned != 0.0 {
-            // A jump by a whole turn is none to the rotor's encoder.
-            let told = begun_anew || fault == Fault::TimeJumps;
+            // Whole turns are none to the rotor's encoder, and what stands still for it may stand in for it.
+            let told = begun_anew || matches!(fault, Fault::TimeJumps | Fault::Swapped);
             assert!(told, "{fault:?} in second {second} lost {turned} turns without a word");
             counts.zeroed += 1;
             zero = true;
@@ -302,6 +302,33 @@ fn an_hour_with_a_fault_in_every_second_is_told_bounded_and_recovered_from() {
         scope.spawn(|| println!("f32, 72 million updates: {:?}", soak::<f32>(3600, 3)));
         scope.spawn(|| println!("fixed, 72 million updates: {:?}", soak::<Fixed>(3600, 4)));
     });
+}
+
+/// The load jumps behind a rotor that friction holds, as an output encoder sees it.
+#[test]
+fn a_load_that_jumps_behind_a_held_rotor_does_not_ring() {
+    let observer: Observer<f32, 2> = counted::observer().unwrap();
+    let mut random = Random(6);
+    let mut plant = Plant::new(0);
+    let mut track = observer.start(0);
+    let model = counted::model(counted::STEP_S);
+    let stages = [model.stages[0], model.stages[1]];
+    let unit = Bases::of(&model.motor, &stages, counted::STEP_S);
+    let unit = unit.shaft(2) / unit.torque;
+    for jump in 0..2000 {
+        let volts = 0.2 * (random.share() - 0.5);
+        let load = LOAD_NM * (2.0 * random.share() - 1.0);
+        let (input, mut squares) = (plant.input(volts, load), 0.0);
+        for k in 0..1000 {
+            plant.joint.step(&mut plant.state, input);
+            observer.update(&mut track, &plant.sample(volts, &mut random));
+            if k >= 500 {
+                squares += (track.disturbance.load.to_f64() / unit - load).powi(2);
+            }
+        }
+        let off = (squares / 500.0).sqrt() / LOAD_NM;
+        assert!(off < 0.5, "jump {jump}: load off by {off}");
+    }
 }
 
 /// What is slow is kept over a restart; a number that is none, however it got there, is not.
