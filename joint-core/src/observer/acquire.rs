@@ -39,11 +39,19 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
     }
 
-    /// Starts anew, with what is slow kept.
+    /// Starts anew, with what is slow kept; of that what is no number is not.
     #[cold]
     #[inline(never)]
     pub(super) fn restart(&self, track: &mut Track<S, N>) {
         let Track { last, drive, parameters, electrical, .. } = *track;
+        let gains = &self.gains;
+        let sound = |value: S, most: S| if value.abs() <= most { value } else { S::ZERO };
+        let parameters = ParameterErrors {
+            resistance: sound(parameters.resistance, gains.most_ohm),
+            flux: sound(parameters.flux, gains.most_flux),
+            friction: sound(parameters.friction, gains.most_level),
+        };
+        let drive = sound(drive, gains.most_drive);
         let electrical = Electrical { at_outlier: 0, ..electrical };
         let anew = self.start(track.state.angle.whole);
         *track = Track { last, drive, parameters, electrical, ..anew };
@@ -75,6 +83,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             return status;
         }
         let speed = if last && fast { moved } else { moved * eighth }.times(self.gains.per_turn);
+        if speed.abs() > self.gains.most_speed {
+            track.age = 0;
+            return status.with(Status::GLITCH);
+        }
         let state = &mut track.state;
         state.angle.advance(moved);
         state.rotor.speed = speed;
