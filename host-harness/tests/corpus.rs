@@ -1,8 +1,8 @@
 //! The entries for bytes from anywhere, over the fuzzers' corpora and what becomes of them: a short run of
-//! `cargo fuzz` without its toolchain. A panic is a failure, and so is a promise of `fuzz/entry.rs` that does
+//! `cargo fuzz` without its toolchain. A panic is a failure, and so is a promise of `tests/fuzz/entry.rs` that does
 //! not hold.
 
-#[path = "../../fuzz/entry.rs"]
+#[path = "../../tests/fuzz/entry.rs"]
 mod entry;
 
 use std::fs;
@@ -88,7 +88,7 @@ fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
 }
 
 fn seeds(target: &str) -> Vec<Vec<u8>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(target);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fuzz/corpus").join(target);
     let files = fs::read_dir(&folder).into_iter().flatten();
     let mut paths: Vec<_> = files.map(|file| file.unwrap().path()).collect();
     paths.sort();
