@@ -146,7 +146,7 @@ fn run(target: &str, entry: fn(&[u8]), seed: u64, mutations: u32) {
 }
 
 fn run_all(seed: u64, times: u32) {
-    let entries: [(&str, fn(&[u8]), u32); 6] = [
+    let entries: [(&str, Entry, u32); 6] = [
         ("model", entry::model, 20_000),
         ("log", entry::log, 40_000),
         ("import_map", entry::import_map, 20_000),
@@ -160,6 +160,9 @@ fn run_all(seed: u64, times: u32) {
         println!("{target}: {} mutations in {:?}", times * mutations, begun.elapsed());
     }
 }
+
+/// What takes bytes from anywhere.
+type Entry = fn(&[u8]);
 
 #[test]
 fn no_model_log_map_recording_block_or_frame_is_met_by_a_panic() {

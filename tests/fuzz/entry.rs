@@ -26,7 +26,7 @@ fn text(bytes: &[u8]) -> Option<&str> {
 }
 
 /// A model is refused in words, or is admissible and the same after it was written and read again.
-pub fn model(bytes: &[u8]) {
+pub(crate) fn model(bytes: &[u8]) {
     let path = Path::new("model.toml");
     let Some(text) = text(bytes) else { return };
     match Model::parse(text, path) {
@@ -40,7 +40,7 @@ pub fn model(bytes: &[u8]) {
 }
 
 /// A log is refused in words, or its columns are as long as its time, which rises.
-pub fn log(bytes: &[u8]) {
+pub(crate) fn log(bytes: &[u8]) {
     let path = Path::new("log.csv");
     match Log::parse(bytes.get(..bytes.len().min(MOST)).unwrap_or_default(), path, Need::Drive) {
         Err(error) => assert!(!error.to_string().is_empty()),
@@ -54,7 +54,7 @@ pub fn log(bytes: &[u8]) {
 }
 
 /// A map is refused in words, or is the same after it was written and read again.
-pub fn import_map(bytes: &[u8]) {
+pub(crate) fn import_map(bytes: &[u8]) {
     let path = Path::new("map.toml");
     let Some(text) = text(bytes) else { return };
     match map_file::parse(text, path) {
@@ -69,7 +69,7 @@ pub fn import_map(bytes: &[u8]) {
 }
 
 /// A recording under the map before its first line of dashes is refused in words or becomes a log.
-pub fn recording(bytes: &[u8]) {
+pub(crate) fn recording(bytes: &[u8]) {
     let Some((map, sheet)) = text(bytes).and_then(|text| text.split_once("\n---\n")) else {
         return;
     };
@@ -88,7 +88,7 @@ pub fn recording(bytes: &[u8]) {
 
 /// A block is refused by name, or the drive steps on it and reports finite numbers, also with its checksum
 /// put right.
-pub fn block(bytes: &[u8]) {
+pub(crate) fn block(bytes: &[u8]) {
     stepped(bytes);
     let mut whole = bytes.to_vec();
     if let Some(body) = whole.len().checked_sub(4) {
@@ -116,14 +116,13 @@ fn stepped(bytes: &[u8]) {
             output_counts: k,
             current_a: 0.01 * (k % 7) as f32,
             voltage_v: 0.1 * (k % 11) as f32,
-            ..Sample::default()
         };
         control.tick(sample, u32::from(k % 50 == 49));
     }
 }
 
 /// Of any bytes frames are found or not; what is found is the same after it was sent again.
-pub fn frames(bytes: &[u8]) {
+pub(crate) fn frames(bytes: &[u8]) {
     let mut reader = Reader::default();
     let mut found: Vec<_> = bytes.iter().filter_map(|byte| reader.push(*byte)).collect();
     while let Some(frame) = reader.rest() {
