@@ -170,7 +170,7 @@ fn no_model_log_map_recording_block_or_frame_is_met_by_a_panic() {
 }
 
 #[test]
-#[ignore = "half an hour"]
+#[ignore = "ten minutes"]
 fn nor_are_a_hundred_times_as_many() {
     run_all(2, 100);
 }
