@@ -13,22 +13,6 @@ pub(crate) const OUTER: f64 = 1.0 / 6.0;
 pub(crate) const MIDDLE: f64 = 2.0 / 3.0;
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
-    /// What a limit of the current leaves of the drive's voltage over a kick: the settled current is taken
-    /// at the speed in its middle, under this force and what `beside` the limit takes off the voltage or
-    /// adds to the back-EMF.
-    #[cfg_attr(target_os = "none", inline(never))]
-    #[cfg_attr(not(target_os = "none"), inline(always))]
-    fn limited(&self, kick: &RotorKick<S>, rotor: &Mass<S>, drive: [S; 2], beside: Beside<S>) -> S {
-        let [current, drive] = drive;
-        let Beside { force, drop, emf } = beside;
-        let (ended, _) = kick.apply::<0>(rotor.speed, current, force, rotor.damping, drive - drop);
-        let middle = (rotor.speed + ended) * S::HALF;
-        let excess = self.effects.excess(drive - kick.induced_current(middle + emf));
-        // Without the torque that is taken the rotor falls short of that speed.
-        let short = kick.induced_current(kick.lost_speed(excess.value) * S::HALF);
-        drive - excess.value - excess.slope * short
-    }
-
     /// Speeds and current over one kick: `WHICH` is 0 for the first, 1 for the middle one, 2 for the
     /// last, each at the angle where its forces are.
     #[inline(always)]
@@ -40,33 +24,19 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         began: &Each<S, N>,
     ) {
         let kick = if WHICH == 1 { &self.middle } else { &self.outer };
-        let rotor = &mut state.rotor;
-        let mut drive = input.drive;
-        let limited = self.effects.has_limit() && !self.current_imposed;
-        if limited {
-            let beside = Beside { force: rotor.force, drop: S::ZERO, emf: S::ZERO };
-            drive = self.limited(kick, rotor, [state.current, drive], beside);
-        }
-        let Mass { speed, damping, force: held, .. } = *rotor;
+        let Mass { speed, damping, force: held, .. } = state.rotor;
         let current = state.current;
-        let at = (WHICH, kick);
-        let mut driven = self.driven(at, angle, held, [speed, current, drive]);
-        if limited && self.effects.has_constants() {
-            let Driven { force, emf, .. } = driven;
-            let beside = Beside { force, drop: S::ZERO, emf };
-            drive = self.limited(kick, rotor, [current, input.drive], beside);
-            driven = self.driven(at, angle, held, [speed, current, drive]);
-        }
-        let Driven { mut force, lagging, emf } = driven;
-        if self.effects.has_drops() && !self.current_imposed {
-            let mut left;
-            (force, left) = self.dropped(WHICH, state, angle, drive);
-            if limited {
-                let beside = Beside { force, drop: drive - left, emf };
-                drive = self.limited(kick, &state.rotor, [current, input.drive], beside);
-                (force, left) = self.dropped(WHICH, state, angle, drive);
+        let (mut force, mut drive, mut lagging) = (held, input.drive, S::ZERO);
+        if self.effects.has_limit() && !self.current_imposed {
+            (force, drive, lagging) = self.limited(WHICH, state, angle, drive);
+        } else {
+            if self.effects.has_constants() {
+                let at = [speed, current, drive];
+                Driven { force, lagging, .. } = self.driven((WHICH, kick), angle, held, at);
             }
-            drive = left;
+            if self.effects.has_drops() && !self.current_imposed {
+                (force, drive) = self.dropped(WHICH, state, angle, drive);
+            }
         }
         let rotor = &mut state.rotor;
         let (speed, current) = kick.apply::<WHICH>(speed, current, force, damping, drive);
@@ -86,6 +56,46 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
                 _ => mass.speed.kicked::<false>(gained, lost),
             };
         }
+    }
+
+    /// Force, drive and lagging current of a kick under a limit of the current. What acts beside the limit follows
+    /// from what it leaves, and it from that: two rounds are within a thousandth.
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    fn limited(&self, which: usize, state: &State<S, N>, angle: Angle<S>, asked: S) -> (S, S, S) {
+        let kick = if which == 1 { &self.middle } else { &self.outer };
+        let (Mass { speed, force: held, .. }, current) = (state.rotor, state.current);
+        let mut beside = Beside { force: held, drop: S::ZERO, emf: S::ZERO };
+        let mut lagging = S::ZERO;
+        let further = self.effects.has_constants() || self.effects.has_drops();
+        for _ in 0..if further { 2 } else { 0 } {
+            let drive = self.left(kick, &state.rotor, [current, asked], &beside);
+            let driven = self.driven((which, kick), angle, held, [speed, current, drive]);
+            Driven { force: beside.force, lagging, emf: beside.emf } = driven;
+            if self.effects.has_drops() {
+                let left;
+                (beside.force, left) = self.dropped(which, state, angle, drive);
+                beside.drop = drive - left;
+            }
+        }
+        let drive = self.left(kick, &state.rotor, [current, asked], &beside) - beside.drop;
+        (beside.force, drive, lagging)
+    }
+
+    /// What a limit of the current leaves of the drive's voltage over a kick: the settled current is taken
+    /// at the speed in its middle, under this force and what `beside` the limit takes off the voltage or
+    /// adds to the back-EMF.
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    fn left(&self, kick: &RotorKick<S>, rotor: &Mass<S>, drive: [S; 2], beside: &Beside<S>) -> S {
+        let [current, drive] = drive;
+        let Beside { force, drop, emf } = *beside;
+        let (ended, _) = kick.apply::<0>(rotor.speed, current, force, rotor.damping, drive - drop);
+        let middle = (rotor.speed + ended) * S::HALF;
+        let excess = self.effects.excess(drive - kick.induced_current(middle + emf));
+        // Without the torque that is taken the rotor falls short of that speed.
+        let short = kick.induced_current(kick.lost_speed(excess.value) * S::HALF);
+        drive - excess.value - excess.slope * short
     }
 
     /// Force and drive of a kick under the voltage that is lost on the way to the winding.
