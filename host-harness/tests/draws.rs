@@ -21,7 +21,10 @@ fn table(score: &Value) -> String {
     for case in score["cases"].as_array().unwrap() {
         let shares = case["shares"].as_array().unwrap();
         let names = words(&case["names"]).into_iter().zip(shares);
-        let named = names.map(|(name, share)| format!("{name} {:.1}", share.as_f64().unwrap()));
+        // A share that nobody could weigh is none.
+        let told =
+            |share: &Value| share.as_f64().map_or("–".to_owned(), |share| format!("{share:.1}"));
+        let named = names.map(|(name, share)| format!("{name} {}", told(share)));
         let right = if case["right"] == true { "right" } else { "wrong" };
         let _ = writeln!(
             text,
