@@ -10,7 +10,6 @@ use serde::Serialize;
 
 use crate::discover::findings::{Findings, Verdict};
 use crate::log::Log;
-use crate::model::Model;
 use crate::plant::BuildError;
 use crate::transfer::{Transfer, transfer};
 
@@ -114,12 +113,11 @@ pub fn told(
     findings: &Findings,
     others: &[(PathBuf, Log)],
 ) -> Result<Told, BuildError> {
-    let of = |model: &Model, log: &Log| transfer(model, log);
     let other = |(path, log): &(PathBuf, Log)| -> Result<Other, BuildError> {
         Ok(Other {
             log: stem(path),
-            refitted: of(&findings.refitted, log)?,
-            improved: of(&findings.improved, log)?,
+            refitted: transfer(&findings.refitted, log)?,
+            improved: transfer(&findings.improved, log)?,
         })
     };
     let length = |log: &Log| log.time_s.last().unwrap_or(&0.0) - log.time_s.first().unwrap_or(&0.0);

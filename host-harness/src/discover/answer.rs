@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 use super::coloured::search_coloured;
 use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
-use super::evidence::{Elsewhere, FreeRun, Rest, Weighed, cannot_tell, mapped};
+use super::evidence::{Elsewhere, FreeRun, Weighed, cannot_tell, mapped};
 use super::experiment::{Experiment, experiment};
 use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts, knots_of};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
@@ -210,36 +210,31 @@ pub fn discover_beside(
         _ if constant => Answer::Unknown,
         answer => answer,
     };
-    let mut gap = gap;
-    let mut free_run = free_run;
+    let (mut gap, mut free_run) = (gap, free_run);
     let matters = weighed.budget.as_ref().is_some_and(matters) && !interrupt::asked();
-    let rest = match walk.filter(|_| answer == Answer::Unknown && matters) {
+    let mut rest = match walk.filter(|_| answer == Answer::Unknown && matters) {
         Some(walk) => {
             bar.set_message("laying what has no name into a map");
             mapped(&problem, &found.after, walk, [&calm, &found.expected], &held_out)?
         }
         None => None,
     };
-    // A map that no unseen sample is predicted better with stays out.
-    let rest = match rest {
-        Some(rest) => {
-            let (_, rows) = run(&rest.stage.fit)?;
-            let with = self::gap(&record, &innovations_before, &rows, &floor, &tested);
-            let better = with.after < gap.after;
-            if better {
-                let models = [before, &rest.stage.fit];
-                free_run = FreeRun::of(&record, models, &calm, &held_out)?;
-                gap = with;
-            }
-            better.then_some(rest)
+    if let Some(own) = &rest {
+        let (_, rows) = run(&own.stage.fit)?;
+        let with = self::gap(&record, &innovations_before, &rows, &floor, &tested);
+        // A map that no unseen sample is predicted better with stays out.
+        if with.after < gap.after {
+            free_run = FreeRun::of(&record, [before, &own.stage.fit], &calm, &held_out)?;
+            gap = with;
+        } else {
+            rest = None;
         }
-        None => None,
-    };
+    }
     let covariance = problem.covariance(after);
     let clean = complaints.is_empty() && !constant;
     let effects = named(&found, nominal.effects.len(), clean, (&weighed, &unseen), &covariance);
     let explained = weighed.budget.as_ref().map_or(0.0, |budget| budget.named);
-    let unnamed = rest.as_ref().and_then(|rest| mapped_rest(rest, 1.0 - explained));
+    let unnamed = rest.as_ref().and_then(|rest| rest.told(1.0 - explained));
     let close = found.rounds.first().and_then(|round| {
         let rival = round.rivals.first()?;
         (round.gain - rival.gain < 3.0 * SEPARATION).then_some(rival.name)
@@ -453,28 +448,6 @@ fn named(
             }
         })
         .collect()
-}
-
-/// A map as it is told: it says what is there, and has no name to be sure of.
-fn mapped_rest(rest: &Rest, of: f64) -> Option<Named> {
-    let map = rest.stage.fit.model.effects.last()?;
-    let values = map.kind.spec().parameters.iter().zip(map.values);
-    Some(Named {
-        kind: map.kind.spec().kind.to_owned(),
-        location: map.location.to_string(),
-        unnamed: true,
-        parameters: values.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
-        knots: knots_of(map),
-        standard_errors: BTreeMap::new(),
-        confidence: 0.0,
-        share: of * rest.share.value,
-        share_error: of * rest.share.error,
-        unseen_t: rest.unseen.t,
-        transfer_t: None,
-        gain: rest.unseen.series.iter().sum(),
-        stays_ahead: 0.0,
-        rivals: Vec::new(),
-    })
 }
 
 /// An effect's values by key, and one sigma of those that were fitted.

@@ -59,7 +59,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// Force, drive and lagging current of a kick under a limit of the current. What acts beside the limit follows
-    /// from what it leaves, and it from that: two rounds are within a thousandth.
+    /// from what it leaves, and it from that, so this goes round twice.
     #[cfg_attr(target_os = "none", inline(never))]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     fn limited(&self, which: usize, state: &State<S, N>, angle: Angle<S>, asked: S) -> (S, S, S) {

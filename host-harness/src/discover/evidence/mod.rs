@@ -23,6 +23,6 @@ pub(super) use budget::{Weighed, weigh};
 pub(super) use elsewhere::{Elsewhere, together};
 pub(super) use excitation::cannot_tell;
 pub use generic::Predicted;
-pub(super) use rest::{Rest, mapped};
+pub(super) use rest::mapped;
 pub use unseen::Unseen;
 pub(super) use unseen::unseen;

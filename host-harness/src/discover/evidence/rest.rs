@@ -6,10 +6,14 @@
 //! nearer. Of several maps the one does whose free run comes nearest: a disturbance that is estimated near
 //! standstill follows the friction's state, and as a torque over the speed it would push a joint that rests.
 
+use std::collections::BTreeMap;
+
 use joint_core::effect::EffectParameters;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
+use super::super::confidence::SIGMAS;
+use super::super::findings::{Named, knots_of};
 use super::super::search::Stage;
 use super::super::whereabouts::{of_push, pushed};
 use super::blocks::{Blocks, Share};
@@ -26,9 +30,6 @@ use crate::plant::{BuildError, Layout};
 
 /// One sigma of a map's scale.
 const WIDE: f64 = 10.0;
-/// Sigmas beyond which lies a twentieth of a normal deviate, one-sided.
-const SIGMAS: f64 = 1.645;
-
 /// A map of what is left beside the effects.
 #[derive(Clone, Debug)]
 pub(in super::super) struct Rest {
@@ -38,6 +39,31 @@ pub(in super::super) struct Rest {
     pub(in super::super) unseen: Unseen,
     /// Share that it takes of what the model without it misses there.
     pub(in super::super) share: Share,
+}
+
+impl Rest {
+    /// The map as it is told: it says what is there, and has no name to be sure of. `of` is the share of what the
+    /// refitted nominal misses that the named effects leave.
+    pub(in super::super) fn told(&self, of: f64) -> Option<Named> {
+        let map = self.stage.fit.model.effects.last()?;
+        let values = map.kind.spec().parameters.iter().zip(map.values);
+        Some(Named {
+            kind: map.kind.spec().kind.to_owned(),
+            location: map.location.to_string(),
+            unnamed: true,
+            parameters: values.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
+            knots: knots_of(map),
+            standard_errors: BTreeMap::new(),
+            confidence: 0.0,
+            share: of * self.share.value,
+            share_error: of * self.share.error,
+            unseen_t: self.unseen.t,
+            transfer_t: None,
+            gain: self.unseen.series.iter().sum(),
+            stays_ahead: 0.0,
+            rivals: Vec::new(),
+        })
+    }
 }
 
 /// A model with a torque map of what it misses in an equation of torque; `None` where no map holds on the
