@@ -136,8 +136,12 @@ fn with_brake(plain: &Tree) -> Tree {
     files
 }
 
+/// Kinds of libraries that are linked by others, as a manifest names them beside `rlib`.
+const LINKED: [&str; 2] = ["\"cdylib\", ", "\"staticlib\", "];
+
 /// The same packages under a version of their own: cargo tells builds apart by it, and those of the copy do
-/// not take the place of the workspace's in the build folder that they share.
+/// not take the place of the workspace's in the build folder that they share. A library that is to be linked by
+/// others has one name in all versions; the copy's are for Rust alone.
 fn with_own_version(mut files: Tree) -> Tree {
     let own = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));
     // Packages of the workspace ask for each other by version as well as by path.
@@ -152,7 +156,8 @@ fn with_own_version(mut files: Tree) -> Tree {
             true => package.to_owned(),
             false => package.replace(&own, "version = \"0.0.0-recipe\""),
         });
-        *bytes = packages.collect::<Vec<_>>().join("\n\n").into_bytes();
+        let own = packages.collect::<Vec<_>>().join("\n\n");
+        *bytes = LINKED.iter().fold(own, |own, kind| own.replace(kind, "")).into_bytes();
     }
     files
 }
