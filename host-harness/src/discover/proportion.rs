@@ -65,9 +65,9 @@ pub(super) fn weighed(
     Ok((weighed?, free_run?))
 }
 
-/// Takes effects back that samples which no fit has seen speak against, given the others: they are only
-/// possible. Such samples do where an effect makes them unlikelier beyond its standard error. Answers with what
-/// those samples, and the other records, say of the rest.
+/// Takes effects back that do not improve samples which no fit has seen, given the others: they are only
+/// possible. One that a regression is certain of goes where they speak against it beyond the standard error.
+/// Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -79,8 +79,13 @@ pub(super) fn keep_borne_out(
 ) -> Result<Vec<Witnessed>, BuildError> {
     loop {
         let asked = asked(problem, found, tested, others)?;
-        let worst = asked.iter().enumerate().min_by(|a, b| a.1.0.least().total_cmp(&b.1.0.least()));
-        let Some((k, _)) = worst.filter(|(_, (own, _))| own.least() < -SIGMAS) else {
+        let short = |k: usize, own: &Witnessed| match found.measured.contains(&found.rounds[k].name)
+        {
+            true => own.least() + SIGMAS,
+            false => own.least(),
+        };
+        let all = asked.iter().enumerate().map(|(k, (own, _))| (k, short(k, own)));
+        let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(asked.into_iter().map(|(own, _)| own).collect());
         };
         let without = asked.into_iter().nth(k).map(|(_, without)| without);
@@ -103,7 +108,7 @@ pub(super) struct Witnessed {
 impl Witnessed {
     /// The t of whoever speaks against it most.
     fn least(&self) -> f64 {
-        self.elsewhere.map_or(self.unseen.t, |other| self.unseen.t.min(other))
+        self.unseen.t.min(self.unseen.nearer).min(self.elsewhere.unwrap_or(f64::INFINITY))
     }
 
     /// The t of all together.
