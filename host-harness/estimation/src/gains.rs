@@ -129,9 +129,14 @@ impl Noise {
         Disturbed::ALL.into_iter().zip(self.coloured).filter(|(_, colour)| colour.deviation > 0.0)
     }
 
-    /// The same without what is correlated in time.
+    /// Whether there is a disturbance beside what is white and alike at all speeds.
+    pub fn is_disturbed(&self) -> bool {
+        self.reversal > 0.0 || self.colours().next().is_some()
+    }
+
+    /// The same without what is correlated in time or felt near a reversal alone.
     pub fn whitened(self) -> Self {
-        Self { coloured: Default::default(), ..self }
+        Self { coloured: Default::default(), reversal: 0.0, ..self }
     }
 
     /// The same with the model distrusted so many times as much.

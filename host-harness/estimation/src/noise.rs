@@ -55,8 +55,8 @@ impl Knob {
     /// A noise moved by a step.
     fn moved(&self, noise: &Noise, step: f64) -> Noise {
         let most = match self.source {
-            Source::Sensor(_) | Source::Coloured(_) => f64::INFINITY,
-            Source::Drive | Source::Torque | Source::Reversal | Source::Output => self.expected + MOST.ln(),
+            Source::Sensor(_) | Source::Coloured(_) | Source::Reversal => f64::INFINITY,
+            Source::Drive | Source::Torque | Source::Output => self.expected + MOST.ln(),
         };
         let there = (self.source.sigma(noise).ln() + step).min(most);
         self.source.with_sigma(noise, there.exp())
@@ -90,7 +90,7 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
     Noise {
         drive: (2e-3 * largest).max(1e-9),
         torque: felt(breakaway).hypot(brought),
-        reversal: felt(breakaway),
+        reversal: 0.0,
         output: if record.output_disturbed && stages > 0 { felt(last) } else { 0.0 },
         sensors: Channel::ALL.map(|channel| record.sensor_sigma(model, channel)),
         coloured: Default::default(),
@@ -123,14 +123,16 @@ pub fn refine_along(
 ) -> Result<Noise, BuildError> {
     let mut knobs =
         vec![Knob { source: Source::Torque, expected: expected.torque.ln(), spread: 0.7 }];
-    let reversal = expected.reversal.ln();
-    knobs.push(Knob { source: Source::Reversal, expected: reversal, spread: UNKNOWN });
     if problem.record.drive == Drive::Voltage {
         let expected = expected.drive.ln();
         knobs.push(Knob { source: Source::Drive, expected, spread: 0.7 });
     }
     if expected.output > 0.0 {
         knobs.push(Knob { source: Source::Output, expected: expected.output.ln(), spread: 0.7 });
+    }
+    if start.reversal > 0.0 {
+        let expected = start.reversal.ln();
+        knobs.push(Knob { source: Source::Reversal, expected, spread: UNKNOWN });
     }
     for (place, colour) in start.colours() {
         let source = Source::Coloured(place);

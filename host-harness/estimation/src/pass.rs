@@ -83,7 +83,8 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
             if k + 1 < observer.record.len() {
                 self.linearise(k);
                 self.predict(k);
-                let Scratch { transition, column: drive, kick, behind, reversing, .. } = &self.scratch;
+                let Scratch { transition, column: drive, kick, behind, reversing, .. } =
+                    &self.scratch;
                 let reversing = *reversing;
                 let interval = observer.record.grid.interval(k);
                 keep.passed(&Passed { transition, drive, kick, behind, reversing, interval });

@@ -12,7 +12,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 use nalgebra::DMatrix;
 
-use super::coloured::search_coloured;
+use super::coloured::{search_coloured, search_disturbed};
 use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::evidence::{Elsewhere, FreeRun, Weighed, cannot_tell, mapped};
@@ -137,6 +137,10 @@ pub fn discover_beside(
     if !remainder.complaints(found.rounds.is_empty()).is_empty()
         && let Some(better) = search_coloured(problem, &found)?
     {
+        found = better;
+        remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+    }
+    if let Some(better) = search_disturbed(problem, &found)? {
         found = better;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }
@@ -424,7 +428,8 @@ fn named(
         .map(|((number, effect), ((round, share), unseen))| {
             let other = found.constant.filter(|_| round.name.0 == Kind::Gravity);
             let other = other.map(|constant| round.gain + constant.lead);
-            let left = match clean {
+            // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
+            let left = match clean && !fit.noise.is_disturbed() {
                 true => Left::Noise,
                 false => Left::more(unnamed, [share.value, share.error], unseen.t(), tried),
             };

@@ -26,13 +26,15 @@ const UNCONFIRMED: f64 = 0.5;
 /// Share of the RMS of what drives an equation up to which a predictable remainder does not matter.
 const TOLERANCE: f64 = 0.01;
 
-/// The answer. A remainder that is no noise makes it unknown where it is predictable and matters, where the
+/// The answer. Where nothing has a name, a disturbance that is more than a joint's own makes it unknown: what
+/// drives the joint is then not known. A remainder that is no noise makes it unknown where it is predictable and matters, where the
 /// model fails on samples that no fit has seen, or where nobody could look; a disturbance that follows
 /// nothing is no law that is missing.
 pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -> Answer {
     let harmless = budget.is_some_and(|budget| !matters(budget));
     let noise = left.complaints(!named).is_empty();
     match named {
+        false if left.is_driven() => Answer::Unknown,
         _ if !noise && (!harmless || left.fails_unseen()) => Answer::Unknown,
         true => Answer::Effect,
         false => Answer::Adequate,
@@ -65,9 +67,10 @@ pub(super) fn weighed(
     Ok((weighed?, free_run?))
 }
 
-/// Takes effects back that do not improve samples which no fit has seen, given the others: they are only
-/// possible. One that a regression is certain of goes where they speak against it beyond the standard error.
-/// Answers with what those samples, and the other records, say of the rest.
+/// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
+/// others: they are only possible. Beside a disturbance, which makes likelihoods of what imitates it, those
+/// samples have to speak for an effect, but for one that a regression is certain of. Answers with what those
+/// samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -79,10 +82,11 @@ pub(super) fn keep_borne_out(
 ) -> Result<Vec<Witnessed>, BuildError> {
     loop {
         let asked = asked(problem, found, tested, others)?;
-        let short = |k: usize, own: &Witnessed| match found.measured.contains(&found.rounds[k].name)
-        {
-            true => own.least() + SIGMAS,
-            false => own.least(),
+        let disturbed = found.after.fit.noise.is_disturbed();
+        let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
+        let short = |k: usize, own: &Witnessed| match disturbed && !certain(k) {
+            true => (own.least() - SIGMAS).min(own.unseen.nearer),
+            false => own.least() + SIGMAS,
         };
         let all = asked.iter().enumerate().map(|(k, (own, _))| (k, short(k, own)));
         let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
@@ -108,7 +112,7 @@ pub(super) struct Witnessed {
 impl Witnessed {
     /// The t of whoever speaks against it most.
     fn least(&self) -> f64 {
-        self.unseen.t.min(self.unseen.nearer).min(self.elsewhere.unwrap_or(f64::INFINITY))
+        self.elsewhere.map_or(self.unseen.t, |other| self.unseen.t.min(other))
     }
 
     /// The t of all together.

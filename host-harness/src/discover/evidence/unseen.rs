@@ -104,6 +104,7 @@ mod tests {
         // Five standard errors of a normal deviate happen once in three million.
         let gain = |told: &Unseen| told.series.iter().sum::<f64>();
         assert!(gain(&there) > 100.0 && there.t > 5.0, "{} {}", gain(&there), there.t);
+        assert!(there.nearer > 5.0 && not.nearer < 5.0, "{} {}", there.nearer, not.nearer);
         assert!(gain(&not) < 10.0 && not.t < 5.0, "{} {}", gain(&not), not.t);
     }
 
