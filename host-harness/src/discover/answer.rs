@@ -165,7 +165,8 @@ pub fn discover_beside(
     let names = found.rounds.len();
     let other = |log| Elsewhere::new(log, &record, (MOST_SAMPLES, stepped));
     let others: Vec<_> = others.iter().map(other).collect::<Result<_, _>>()?;
-    let unseen = keep_borne_out(&problem, &mut found, &held_out, &others)?;
+    let noise = remainder.complaints(false).is_empty();
+    let unseen = keep_borne_out(&problem, &mut found, (&held_out, &others), noise)?;
     if found.rounds.len() < names {
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }

@@ -14,6 +14,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
 use super::chance::{threshold, told};
+use super::evidence::FreeRun;
 use super::findings::ScoreRow;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::needless::{bare, drop_needless, without};
@@ -38,6 +39,8 @@ const LEVEL: f64 = 0.05;
 /// Hypotheses that get a short refit, and how many of these a full one.
 const SHORT: usize = 6;
 const FULL: usize = 3;
+/// Most times as far off as without one that a model found beside a disturbance may run free.
+const FARTHEST: f64 = 2.0;
 /// Rounds of a short refit.
 const ROUNDS: usize = 3;
 
@@ -95,6 +98,10 @@ pub(super) fn search_disturbed(
     let mut other = found.clone();
     let Stage { fit, origin } = &found.before;
     other.before = begun(&problem, origin, fit, &found.expected)?;
+    // Of a nominal that is too far off for one no effect can be asked beside it.
+    if !other.before.fit.noise.is_disturbed() {
+        return Ok(None);
+    }
     if other.rounds.is_empty() {
         other.after = other.before.clone();
     } else {
@@ -109,7 +116,11 @@ pub(super) fn search_disturbed(
             other.after = other.before.clone();
         }
     }
-    Ok(Some(other))
+    // A likelihood beside a disturbance is one of single steps: the model has to run by itself as well.
+    let tested: Vec<bool> = problem.mask.iter().map(|weight| *weight == 0.0).collect();
+    let models = [&found.after.fit, &other.after.fit];
+    let runs = FreeRun::of(problem.record, models, &found.expected, &tested)?;
+    Ok((runs.factor() <= FARTHEST).then_some(other))
 }
 
 /// RMS of the rotor torque that a model misses over the samples fitted to, Nm: a likelihood of many sensors may be

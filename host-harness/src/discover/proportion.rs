@@ -68,25 +68,26 @@ pub(super) fn weighed(
 }
 
 /// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
-/// others: they are only possible. Beside a disturbance, which makes likelihoods of what imitates it, those
-/// samples have to speak for an effect, but for one that a regression is certain of. Answers with what those
-/// samples, and the other records, say of the rest.
+/// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
+/// a disturbance, which makes likelihoods of what imitates it, beyond their standard error; not so of an effect
+/// that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
 pub(super) fn keep_borne_out(
     problem: &Problem<'_>,
     found: &mut Search,
-    tested: &[bool],
-    others: &[Elsewhere],
+    (tested, others): (&[bool], &[Elsewhere]),
+    noise: bool,
 ) -> Result<Vec<Witnessed>, BuildError> {
     loop {
         let asked = asked(problem, found, tested, others)?;
         let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
-        let short = |k: usize, own: &Witnessed| match disturbed && !certain(k) {
-            true => (own.least() - SIGMAS).min(own.unseen.nearer),
-            false => own.least() + SIGMAS,
+        let short = |k: usize, own: &Witnessed| match certain(k) {
+            false if disturbed => (own.least() - SIGMAS).min(own.unseen.nearer),
+            false if !noise => own.least(),
+            _ => own.least() + SIGMAS,
         };
         let all = asked.iter().enumerate().map(|(k, (own, _))| (k, short(k, own)));
         let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
