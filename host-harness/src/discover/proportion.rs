@@ -204,6 +204,10 @@ mod tests {
             assert_eq!(answered(named, &failing, Some(&little)), Answer::Unknown);
             assert_eq!(answered(named, &loud, None), Answer::Unknown);
         }
+        // Where nothing has a name, more than friction wanders by is a cause that is not known.
+        let driven = Remainder { disturbed: 20.0, ..quiet };
+        assert_eq!(answered(true, &driven, Some(&little)), Answer::Effect);
+        assert_eq!(answered(false, &driven, Some(&little)), Answer::Unknown);
     }
 
     #[test]
@@ -218,14 +222,14 @@ mod tests {
         found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
         found.rounds.push(trial::round(1e4));
         let mut wrong = found.clone();
-        let unseen = keep_borne_out(&problem, &mut found, &tested, &[]).unwrap();
+        let unseen = keep_borne_out(&problem, &mut found, (&tested, &[]), true).unwrap();
         assert!(found.rounds.len() == 1 && unseen[0].t() > 0.0);
         // Where no equation stands out nothing is weighed, and no effect is lost by it.
         let noise = found.after.fit.noise;
         let (weighed, _) = weighed(&problem, &found, None, &noise, &tested, &unseen).unwrap();
         assert_eq!(weighed.shares.len(), 1);
         wrong.after.fit.model.effects[0].values[1] *= -1.0;
-        keep_borne_out(&problem, &mut wrong, &tested, &[]).unwrap();
+        keep_borne_out(&problem, &mut wrong, (&tested, &[]), true).unwrap();
         assert!(wrong.rounds.is_empty() && wrong.after.fit.model.effects.is_empty());
         assert_eq!(possible(&wrong, &mask)[0].kind, "cogging");
     }
