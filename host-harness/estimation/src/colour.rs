@@ -42,6 +42,7 @@ pub fn coloured(
     let along = &*along;
     let mut least = problem.deviance_along(along, model, &best)?;
     let samples = problem.mask.iter().sum::<f64>().max(2.0);
+    (least, best) = reversing(problem, along, model, expected, (least, best))?;
     for place in places(problem.record) {
         if interrupt::asked() {
             break;
@@ -67,6 +68,27 @@ pub fn coloured(
         }
     }
     Ok(best)
+}
+
+/// The same with a noise of the reversal or without, whichever this record asks for by more than one number
+/// should.
+fn reversing(
+    problem: &Problem<'_>,
+    along: &Linearisation,
+    model: &Model,
+    expected: &Noise,
+    (least, best): (f64, Noise),
+) -> Result<(f64, Noise), BuildError> {
+    let plain = Noise { reversal: 0.0, ..best };
+    let known = best.reversal > 0.0;
+    let begun = match known {
+        true => plain,
+        false => Noise { reversal: plain.torque.max(expected.torque), ..plain },
+    };
+    let other = tried(problem, along, model, expected, &begun)?;
+    let [without, with] = if known { [other, (least, best)] } else { [(least, best), other] };
+    let samples = problem.mask.iter().sum::<f64>().max(2.0);
+    Ok(if without.0 - with.0 > samples.ln() { with } else { without })
 }
 
 /// Where a record could tell a disturbance from another.
@@ -175,7 +197,45 @@ mod tests {
         let (model, record, expected, _) = replicate(|expected| expected);
         let problem = Problem::new(&record, &mask);
         let found = coloured(&problem, &model, &expected, &expected).unwrap();
-        assert_eq!(found.colours().count(), 0, "{found:?}");
+        assert!(!found.is_disturbed(), "{found:?}");
+    }
+
+    #[test]
+    fn what_reversals_bring_is_found_with_its_size_and_is_no_noise_of_the_rest() {
+        let with = |expected: Noise| Noise { reversal: 20.0 * expected.torque, ..expected };
+        let (model, record, expected, noise) = replicate(with);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask);
+        let plain = refine_along(
+            &problem,
+            &mut Cow::Owned(Linearisation::default()),
+            &model,
+            &expected,
+            &expected,
+        );
+        let found = coloured(&problem, &model, &expected, &expected).unwrap();
+        assert!((found.reversal / noise.reversal).ln().abs() < 0.2, "{found:?} {noise:?}");
+        assert!(found.torque < 0.5 * plain.unwrap().torque && found.colours().count() == 0);
+        // Asked again, it stays.
+        let again = coloured(&problem, &model, &expected, &found).unwrap();
+        assert!((again.reversal / found.reversal).ln().abs() < 0.1, "{again:?} {found:?}");
+    }
+
+    #[test]
+    fn the_slope_of_the_likelihood_with_reversals_is_that_of_its_differences() {
+        let with = |expected: Noise| Noise { reversal: 20.0 * expected.torque, ..expected };
+        let (model, record, _, noise) = replicate(with);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask);
+        let along = &mut Cow::Owned(Linearisation::default());
+        let source = Source::Reversal;
+        let (_, gradient, _) = problem.scored_along(along, &model, &noise, &[source]).unwrap();
+        let at = |step: f64| {
+            let noise = source.with_sigma(&noise, source.sigma(&noise) * f64::exp(step));
+            problem.deviance_along(along, &model, &noise).unwrap()
+        };
+        let slope = (at(1e-3) - at(-1e-3)) / 2e-3;
+        assert!((gradient[0] - slope).abs() < 1e-2 * slope.abs() + 0.5, "{} {slope}", gradient[0]);
     }
 
     #[test]

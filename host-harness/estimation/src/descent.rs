@@ -137,6 +137,7 @@ impl Descent<'_> {
         let [rotor, last] = [rotor / self.inertias[0], last / self.inertias[1]];
         let mut noise = *self.noise;
         noise.torque *= rotor;
+        noise.reversal *= rotor;
         noise.output *= last;
         noise.coloured[Disturbed::Rotor as usize].deviation *= rotor;
         noise.coloured[Disturbed::Output as usize].deviation *= last;

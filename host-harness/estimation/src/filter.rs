@@ -78,6 +78,8 @@ pub struct Observer<'a> {
     pub(super) layout: Layout,
     pub(super) shaft: f64,
     inertia: Vec<f64>,
+    /// Speed of the rotor at which its friction falls, rad/s.
+    slow: f64,
     pub(super) known: Known,
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
@@ -119,6 +121,7 @@ impl<'a> Observer<'a> {
             layout,
             shaft,
             inertia,
+            slow: model.motor.friction.stribeck_velocity_rad_per_s,
             known,
             late,
             sensor_errors,
@@ -423,6 +426,11 @@ impl<'a> Observer<'a> {
             }
             x[self.layout.len() + j] *= walk.kept(interval);
         }
+    }
+
+    /// Share of the variance at standstill that a noise of the reversal has in a state.
+    pub(super) fn reversing(&self, x: &[f64]) -> f64 {
+        1.0 / (1.0 + (x[self.layout.speed(0)] / self.slow).powi(2))
     }
 
     /// A torque held over an interval, on a mass that is otherwise free.

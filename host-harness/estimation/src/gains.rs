@@ -106,6 +106,9 @@ pub struct Noise {
     pub drive: f64,
     /// Torque on the rotor beside the known ones, Nm, held for a sample.
     pub torque: f64,
+    /// Torque on the rotor beside the known ones where it stands still, Nm, held for a sample: what a friction law
+    /// that is another near the reversal makes.
+    pub reversal: f64,
     /// Torque on the last mass beside the known ones, reflected to the motor, Nm, held for a sample; zero
     /// where the output is taken to feel nothing of its own.
     pub output: f64,
@@ -126,9 +129,14 @@ impl Noise {
         Disturbed::ALL.into_iter().zip(self.coloured).filter(|(_, colour)| colour.deviation > 0.0)
     }
 
-    /// The same without what is correlated in time.
+    /// Whether there is a disturbance beside what is white and alike at all speeds.
+    pub fn is_disturbed(&self) -> bool {
+        self.reversal > 0.0 || self.colours().next().is_some()
+    }
+
+    /// The same without what is correlated in time or felt near a reversal alone.
     pub fn whitened(self) -> Self {
-        Self { coloured: Default::default(), ..self }
+        Self { coloured: Default::default(), reversal: 0.0, ..self }
     }
 
     /// The same with the model distrusted so many times as much.

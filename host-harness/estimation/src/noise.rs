@@ -55,7 +55,7 @@ impl Knob {
     /// A noise moved by a step.
     fn moved(&self, noise: &Noise, step: f64) -> Noise {
         let most = match self.source {
-            Source::Sensor(_) | Source::Coloured(_) => f64::INFINITY,
+            Source::Sensor(_) | Source::Coloured(_) | Source::Reversal => f64::INFINITY,
             Source::Drive | Source::Torque | Source::Output => self.expected + MOST.ln(),
         };
         let there = (self.source.sigma(noise).ln() + step).min(most);
@@ -90,6 +90,7 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
     Noise {
         drive: (2e-3 * largest).max(1e-9),
         torque: felt(breakaway).hypot(brought),
+        reversal: 0.0,
         output: if record.output_disturbed && stages > 0 { felt(last) } else { 0.0 },
         sensors: Channel::ALL.map(|channel| record.sensor_sigma(model, channel)),
         coloured: Default::default(),
@@ -128,6 +129,10 @@ pub fn refine_along(
     }
     if expected.output > 0.0 {
         knobs.push(Knob { source: Source::Output, expected: expected.output.ln(), spread: 0.7 });
+    }
+    if start.reversal > 0.0 {
+        let expected = start.reversal.ln();
+        knobs.push(Knob { source: Source::Reversal, expected, spread: UNKNOWN });
     }
     for (place, colour) in start.colours() {
         let source = Source::Coloured(place);

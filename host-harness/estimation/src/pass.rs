@@ -83,9 +83,11 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
             if k + 1 < observer.record.len() {
                 self.linearise(k);
                 self.predict(k);
-                let Scratch { transition, column: drive, kick, behind, .. } = &self.scratch;
+                let Scratch { transition, column: drive, kick, behind, reversing, .. } =
+                    &self.scratch;
+                let reversing = *reversing;
                 let interval = observer.record.grid.interval(k);
-                keep.passed(&Passed { transition, drive, kick, behind, interval });
+                keep.passed(&Passed { transition, drive, kick, behind, reversing, interval });
             }
         }
     }
@@ -139,7 +141,7 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
 
     /// The covariance one interval forward.
     fn predict(&mut self, k: usize) {
-        let Self { observer, noise, walks, p, scratch, along, .. } = self;
+        let Self { observer, noise, walks, x, p, scratch, along, .. } = self;
         let n = observer.layout.len();
         let order = n + walks.len();
         let interval = observer.record.grid.interval(k);
@@ -177,7 +179,9 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         scratch.column.fill(0.0);
         scratch.column[..n].copy_from_slice(by_drive);
         p.add_square(noise.drive * noise.drive, &scratch.column);
-        p.add_square(noise.torque * noise.torque, kick);
+        scratch.reversing = observer.reversing(x);
+        let felt = noise.torque.powi(2) + scratch.reversing * noise.reversal.powi(2);
+        p.add_square(felt, kick);
         if noise.output > 0.0 {
             let behind = &mut scratch.behind;
             behind.fill(0.0);
@@ -197,6 +201,7 @@ struct Scratch {
     steps: Vec<f64>,
     kick: Vec<f64>,
     behind: Vec<f64>,
+    reversing: f64,
     transition: Transition,
 }
 
@@ -209,6 +214,7 @@ impl Scratch {
             steps: Vec::with_capacity(order + 1),
             kick: vec![0.0; order],
             behind: vec![0.0; order],
+            reversing: 0.0,
             transition: Transition::none(order),
         }
     }

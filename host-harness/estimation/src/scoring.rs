@@ -24,6 +24,8 @@ pub(super) enum Source {
     Drive,
     /// What the rotor feels.
     Torque,
+    /// What the rotor feels near the reversal.
+    Reversal,
     /// What the last mass feels.
     Output,
     /// What a sensor adds.
@@ -38,6 +40,7 @@ impl Source {
         match self {
             Self::Drive => noise.drive,
             Self::Torque => noise.torque,
+            Self::Reversal => noise.reversal,
             Self::Output => noise.output,
             Self::Sensor(channel) => noise.sensors[channel as usize],
             Self::Coloured(place) => noise.coloured[place as usize].deviation,
@@ -50,6 +53,7 @@ impl Source {
         match self {
             Self::Drive => noise.drive = sigma,
             Self::Torque => noise.torque = sigma,
+            Self::Reversal => noise.reversal = sigma,
             Self::Output => noise.output = sigma,
             Self::Sensor(channel) => noise.sensors[channel as usize] = sigma,
             Self::Coloured(place) => noise.coloured[place as usize].deviation = sigma,
@@ -191,7 +195,7 @@ impl Keep for Scoring<'_> {
     }
 
     fn passed(&mut self, over: &Passed<'_>) {
-        let Passed { transition, drive, kick, behind, interval } = *over;
+        let Passed { transition, drive, kick, behind, reversing, interval } = *over;
         let order = self.scratch.len();
         for Along { source, state, covariance, own, .. } in &mut self.along {
             for (next, row) in self.scratch.iter_mut().zip(transition.rows().chunks_exact(order)) {
@@ -203,6 +207,7 @@ impl Keep for Scoring<'_> {
             match source {
                 Source::Drive => covariance.add_square(twice, drive),
                 Source::Torque => covariance.add_square(twice, kick),
+                Source::Reversal => covariance.add_square(twice * reversing, kick),
                 Source::Output => covariance.add_square(twice, behind),
                 Source::Sensor(_) => {}
                 Source::Coloured(_) => {

@@ -11,7 +11,7 @@ enum Event {
     Began,
     Measured { sample: usize, channel: Channel, innovation: f64, variance: f64 },
     Taken { sample: usize, channel: usize, error: f64, weight: f64 },
-    Passed { interval: f64 },
+    Passed { reversing: f64, interval: f64 },
 }
 
 /// A stretch of a filter's way, without its states and gains.
@@ -48,10 +48,10 @@ impl Tape {
                 Event::Taken { sample, channel, error, weight } => {
                     keep.taken(sample, channel, error, weight, &[]);
                 }
-                Event::Passed { interval } => {
+                Event::Passed { reversing, interval } => {
                     let Some(transition) = transitions.next() else { return };
                     let (drive, kick, behind) = (next(), next(), next());
-                    keep.passed(&Passed { transition, drive, kick, behind, interval });
+                    keep.passed(&Passed { transition, drive, kick, behind, reversing, interval });
                 }
             }
         }
@@ -77,7 +77,7 @@ impl Keep for Tape {
     }
 
     fn passed(&mut self, over: &Passed<'_>) {
-        self.events.push(Event::Passed { interval: over.interval });
+        self.events.push(Event::Passed { reversing: over.reversing, interval: over.interval });
         self.numbers.extend_from_slice(over.drive);
         self.numbers.extend_from_slice(over.kick);
         self.numbers.extend_from_slice(over.behind);

@@ -83,7 +83,8 @@ pub fn twin(
         for (value, walk) in disturbances.iter_mut().zip(&walks) {
             *value = walk.kept(interval) * *value + walk.gained(interval).sqrt() * normal();
         }
-        observer.push(&mut state, 0, noise.torque * normal(), interval);
+        let felt = noise.torque.hypot(observer.reversing(&state).sqrt() * noise.reversal);
+        observer.push(&mut state, 0, felt * normal(), interval);
         if noise.output > 0.0 {
             observer.push(&mut state, layout.stages, noise.output * normal(), interval);
         }

@@ -12,7 +12,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 use nalgebra::DMatrix;
 
-use super::coloured::search_coloured;
+use super::coloured::{search_coloured, search_disturbed};
 use super::confidence::{Left, SEPARATION, confidence};
 use super::constant::ask_constant;
 use super::evidence::{Elsewhere, FreeRun, Weighed, cannot_tell, mapped};
@@ -140,6 +140,10 @@ pub fn discover_beside(
         found = better;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }
+    if let Some(better) = search_disturbed(problem, &found)? {
+        found = better;
+        remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+    }
     let sound = remainder.complaints(false).is_empty() && !is_suspect(&found);
     let finest = record.refined(micro_steps * FINEST);
     let finer = if sound { record.refined(micro_steps * FINER) } else { finest.clone() };
@@ -161,7 +165,8 @@ pub fn discover_beside(
     let names = found.rounds.len();
     let other = |log| Elsewhere::new(log, &record, (MOST_SAMPLES, stepped));
     let others: Vec<_> = others.iter().map(other).collect::<Result<_, _>>()?;
-    let unseen = keep_borne_out(&problem, &mut found, &held_out, &others)?;
+    let noise = remainder.complaints(false).is_empty();
+    let unseen = keep_borne_out(&problem, &mut found, (&held_out, &others), noise)?;
     if found.rounds.len() < names {
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }
@@ -424,7 +429,8 @@ fn named(
         .map(|((number, effect), ((round, share), unseen))| {
             let other = found.constant.filter(|_| round.name.0 == Kind::Gravity);
             let other = other.map(|constant| round.gain + constant.lead);
-            let left = match clean {
+            // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
+            let left = match clean && !fit.noise.is_disturbed() {
                 true => Left::Noise,
                 false => Left::more(unnamed, [share.value, share.error], unseen.t(), tried),
             };

@@ -62,7 +62,39 @@ pub(super) fn possible(effect: &EffectParameters, model: &Model, record: &Record
     let ahead = acausal && effect.values[0] < 0.0;
     let falling = effect.kind == Kind::TorqueSaturation
         && effect.values[0] < RISING * largest_current(record);
-    inside && !ahead && !falling && !endless(effect, record) && !excessive(effect, model, record)
+    inside
+        && !ahead
+        && !falling
+        && !endless(effect, record)
+        && !excessive(effect, model, record)
+        && !forgetful(effect, record)
+}
+
+/// Stretches over which a motion is looked at to see how long it lasts.
+const STRETCHES: usize = 200;
+
+/// Whether an effect warms and cools faster than the motion changes: then it follows the present speed or
+/// current, and is some other law of these.
+fn forgetful(effect: &EffectParameters, record: &Record) -> bool {
+    let thermal = matches!(effect.kind, Kind::LubricantWarming | Kind::WindingHeating);
+    thermal && effect.values[1] < lasting_s(record)
+}
+
+/// How long a motion lasts, s: the RMS of the rotor's speed over that of its change in time; zero of one that
+/// is nowhere seen.
+fn lasting_s(record: &Record) -> f64 {
+    let stretch = (record.len() / STRETCHES).max(1);
+    let shown = |k: usize| (record.time_s[k], record.measured[k][Channel::Motor as usize]);
+    let places: Vec<_> = (0..record.len()).step_by(stretch).map(shown).collect();
+    let speeds: Vec<f64> =
+        places.windows(2).map(|at| (at[1].1 - at[0].1) / (at[1].0 - at[0].0)).collect();
+    let interval = record.grid.typical_interval() * stretch as f64;
+    let square = |all: &mut dyn Iterator<Item = f64>| {
+        all.filter(|value| value.is_finite()).map(|value| value * value).sum::<f64>()
+    };
+    let speed = square(&mut speeds.iter().copied());
+    let change = square(&mut speeds.windows(2).map(|at| at[1] - at[0]));
+    if change > 0.0 { interval * (speed / change).sqrt() } else { 0.0 }
 }
 
 /// Times the drive's largest torque beyond which none acts on a joint that it moves, and share of its travel
@@ -203,6 +235,24 @@ mod tests {
         };
         // Of one turn.
         assert!(off(0.2) && !off(0.3 * TAU));
+    }
+
+    #[test]
+    fn what_warms_faster_than_the_motion_changes_does_not_warm() {
+        // A swing at 10 rad/s for 4 s.
+        let log = Log {
+            time_s: (0..4000).map(|k| f64::from(k) * 1e-3).collect(),
+            voltage_v: Some(vec![1.0; 4000]),
+            motor_angle_rad: (0..4000).map(|k| (f64::from(k) * 1e-2).sin()).collect(),
+            ..Log::default()
+        };
+        let record = Record::new(&log, None);
+        assert!((lasting_s(&record) * 10.0 - 1.0).abs() < 0.05, "{}", lasting_s(&record));
+        let warming = |constant_s: f64| {
+            let warming = EffectParameters::new(Kind::LubricantWarming, Location::Motor);
+            possible(&warming.with("time_constant_s", constant_s), &actuator(), &record)
+        };
+        assert_eq!([1e-3, 0.09, 0.12, 100.0].map(warming), [false, false, true, true]);
     }
 
     #[test]

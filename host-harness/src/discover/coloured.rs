@@ -14,6 +14,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::bootstrap::stays_ahead;
 use super::candidates::{self, Scene};
 use super::chance::{threshold, told};
+use super::evidence::FreeRun;
 use super::findings::ScoreRow;
 use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::needless::{bare, drop_needless, without};
@@ -38,6 +39,8 @@ const LEVEL: f64 = 0.05;
 /// Hypotheses that get a short refit, and how many of these a full one.
 const SHORT: usize = 6;
 const FULL: usize = 3;
+/// Most times as far off as without one that a model found beside a disturbance may run free.
+const FARTHEST: f64 = 2.0;
 /// Rounds of a short refit.
 const ROUNDS: usize = 3;
 
@@ -71,6 +74,53 @@ pub(super) fn search_coloured(
     let left = |fit: &Fit| disturbance(&problem, fit, &found.expected);
     let (own, plain) = rayon::join(|| left(&other.after.fit), || left(&found.after.fit));
     Ok((own? < plain?).then_some(other))
+}
+
+/// What a search finds beside a disturbance that is correlated in time, or that reversals bring, where the log is
+/// likelier with one than the model that was found is: its effects have to earn their place beside that, and
+/// others are looked for.
+///
+/// # Errors
+/// A model cannot be built.
+pub(super) fn search_disturbed(
+    problem: Problem<'_>,
+    found: &Search,
+) -> Result<Option<Search>, BuildError> {
+    if interrupt::asked() {
+        return Ok(None);
+    }
+    found.bar.set_message("asking whether the joint is disturbed");
+    let Stage { fit, .. } = &found.after;
+    let noise = coloured(&problem, &fit.model, &found.expected, &fit.noise)?;
+    if !noise.is_disturbed() {
+        return Ok(None);
+    }
+    let mut other = found.clone();
+    let Stage { fit, origin } = &found.before;
+    other.before = begun(&problem, origin, fit, &found.expected)?;
+    // Of a nominal that is too far off for one no effect can be asked beside it.
+    if !other.before.fit.noise.is_disturbed() {
+        return Ok(None);
+    }
+    if other.rounds.is_empty() {
+        other.after = other.before.clone();
+    } else {
+        recoloured(&problem, &mut other.after, &found.expected)?;
+    }
+    eliminate(&problem, &mut other)?;
+    grow(&problem, &mut other)?;
+    if other.rounds.is_empty() {
+        if cost(&other.after.fit) < cost(&other.before.fit) {
+            other.before = other.after.clone();
+        } else {
+            other.after = other.before.clone();
+        }
+    }
+    // A likelihood beside a disturbance is one of single steps: the model has to run by itself as well.
+    let tested: Vec<bool> = problem.mask.iter().map(|weight| *weight == 0.0).collect();
+    let models = [&found.after.fit, &other.after.fit];
+    let runs = FreeRun::of(problem.record, models, &found.expected, &tested)?;
+    Ok((runs.factor() <= FARTHEST).then_some(other))
 }
 
 /// RMS of the rotor torque that a model misses over the samples fitted to, Nm: a likelihood of many sensors may be
@@ -296,11 +346,48 @@ mod tests {
     use joint_core::effect::{EffectParameters, Kind};
     use joint_core::params::Location;
 
+    use super::super::candidates::cogging;
     use super::super::hypothesis::Free;
     use super::super::trial;
     use super::*;
+    use crate::estimate::filter::{Colour, Disturbed};
     use crate::estimate::noise;
     use crate::estimate::record::Record;
+    use crate::estimate::twin::twin;
+
+    #[test]
+    fn beside_a_disturbance_what_it_imitated_falls_and_what_is_there_stays() {
+        let nominal = trial::motor();
+        let clean = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let mask = vec![1.0; clean.measured.len()];
+        let expected = noise::expected(&nominal, &clean);
+        let truth = Model { effects: vec![trial::line(12.0)], ..nominal.clone() };
+        let mut noise = expected;
+        noise.coloured[Disturbed::Rotor as usize] =
+            Colour { deviation: 6.0 * expected.torque, correlation_s: 0.02 };
+        let record = twin(&truth, &clean, &noise, 3).unwrap();
+        let problem = Problem::new(&record, &mask).rough();
+        let line = cogging::line(12.0, 0.01, false);
+        let free = vec![Free::Value { value: 0, scale: 0.02, sigma: 30.0 }];
+        let drag = EffectParameters::new(Kind::QuadraticDrag, Location::Motor);
+        let drag = Hypothesis { start: drag, free };
+        let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
+        found.after = trial::fitted(&problem, &nominal, &[drag.clone(), line]);
+        let names = [(drag.start.kind, drag.start.location), (Kind::Cogging, Location::Motor)];
+        found.rounds.extend(names.map(|name| Round { name, ..trial::round(100.0) }));
+        let other = search_disturbed(problem, &found).unwrap().unwrap();
+        let left: Vec<_> = other.rounds.iter().map(|round| round.name).collect();
+        assert_eq!(left, [(Kind::Cogging, Location::Motor)]);
+        let [_, own, _] = other.after.fit.noise.coloured;
+        assert!((own.deviation / (6.0 * expected.torque)).ln().abs() < 0.5, "{own:?}");
+
+        // Where nothing disturbs, nothing is asked again.
+        let plain = twin(&truth, &clean, &expected, 3).unwrap();
+        let problem = Problem::new(&plain, &mask).rough();
+        let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
+        found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
+        assert!(search_disturbed(problem, &found).unwrap().is_none());
+    }
 
     #[test]
     fn an_effect_that_stood_in_for_a_line_falls_and_the_line_is_found() {

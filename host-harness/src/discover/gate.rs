@@ -4,7 +4,7 @@
 //! noise far above what the sensors and the joint's nature lead one to expect, or innovations that
 //! are not white where those of the model's own twin are.
 
-use crate::estimate::filter::Noise;
+use crate::estimate::filter::{Disturbed, Noise};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel};
 use crate::estimate::refit::{DOUBTFUL, RUGGED};
@@ -49,6 +49,10 @@ pub struct Remainder {
     /// The same on the output; zero where it is taken to feel nothing of its own.
     #[serde(default)]
     pub output: f64,
+    /// RMS of a disturbance of the rotor that is correlated in time, over the noise that is expected there; zero
+    /// where there is none.
+    #[serde(default)]
+    pub disturbed: f64,
     /// Largest difference of an autocorrelation from the twins' beyond their scatter, by channel.
     pub colour: [f64; CHANNELS],
     /// Variance over the twins', by channel; zero where nothing is measured.
@@ -83,6 +87,7 @@ impl Remainder {
             },
             torque: fit.noise.torque / expected.torque,
             output: fit.noise.output_times(expected),
+            disturbed: fit.noise.coloured[Disturbed::Rotor as usize].deviation / expected.torque,
             rugged: fit.model.stages.len() >= RUGGED,
             ..Self::default()
         };
@@ -117,6 +122,11 @@ impl Remainder {
         self.unseen > if self.rugged { UNSEEN_OF_RUGGED } else { UNSEEN }
     }
 
+    /// Whether a joint is disturbed by more than its own friction is expected to wander.
+    pub fn is_driven(&self) -> bool {
+        self.disturbed > TORQUE_EXCESS
+    }
+
     /// Why this is not noise; `plain` of a model to which nothing was added.
     pub fn complaints(&self, plain: bool) -> Vec<String> {
         let mut all = Vec::new();
@@ -133,6 +143,12 @@ impl Remainder {
                     "it needs {times:.1} times the noise on the {mass} torque that is expected"
                 ));
             }
+        }
+        if self.is_driven() {
+            all.push(format!(
+                "a torque on the rotor that is correlated in time is {:.1} times the noise that is expected there",
+                self.disturbed
+            ));
         }
         if self.fails_unseen() {
             all.push(format!(
@@ -221,6 +237,13 @@ mod tests {
             complaints.len() == 1
                 && complaints[0].contains("6.60 times those of bootstrap replicates")
         );
+    }
+
+    #[test]
+    fn a_disturbance_is_a_joints_own_as_long_as_friction_may_wander_by_it() {
+        let left = |disturbed: f64| Remainder { disturbed, ..Remainder::default() };
+        assert!(!left(3.0).is_driven() && left(3.0).complaints(true).is_empty());
+        assert!(left(6.0).is_driven() && left(6.0).complaints(true).len() == 1);
     }
 
     #[test]

@@ -26,13 +26,15 @@ const UNCONFIRMED: f64 = 0.5;
 /// Share of the RMS of what drives an equation up to which a predictable remainder does not matter.
 const TOLERANCE: f64 = 0.01;
 
-/// The answer. A remainder that is no noise makes it unknown where it is predictable and matters, where the
+/// The answer. Where nothing has a name, a disturbance that is more than a joint's own makes it unknown: what
+/// drives the joint is then not known. A remainder that is no noise makes it unknown where it is predictable and matters, where the
 /// model fails on samples that no fit has seen, or where nobody could look; a disturbance that follows
 /// nothing is no law that is missing.
 pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -> Answer {
     let harmless = budget.is_some_and(|budget| !matters(budget));
     let noise = left.complaints(!named).is_empty();
     match named {
+        false if left.is_driven() => Answer::Unknown,
         _ if !noise && (!harmless || left.fails_unseen()) => Answer::Unknown,
         true => Answer::Effect,
         false => Answer::Adequate,
@@ -65,22 +67,30 @@ pub(super) fn weighed(
     Ok((weighed?, free_run?))
 }
 
-/// Takes effects back that samples which no fit has seen speak against, given the others: they are only
-/// possible. Such samples do where an effect makes them unlikelier beyond its standard error. Answers with what
-/// those samples, and the other records, say of the rest.
+/// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
+/// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
+/// a disturbance, which makes likelihoods of what imitates it, beyond their standard error; not so of an effect
+/// that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
 pub(super) fn keep_borne_out(
     problem: &Problem<'_>,
     found: &mut Search,
-    tested: &[bool],
-    others: &[Elsewhere],
+    (tested, others): (&[bool], &[Elsewhere]),
+    noise: bool,
 ) -> Result<Vec<Witnessed>, BuildError> {
     loop {
         let asked = asked(problem, found, tested, others)?;
-        let worst = asked.iter().enumerate().min_by(|a, b| a.1.0.least().total_cmp(&b.1.0.least()));
-        let Some((k, _)) = worst.filter(|(_, (own, _))| own.least() < -SIGMAS) else {
+        let disturbed = found.after.fit.noise.is_disturbed();
+        let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
+        let short = |k: usize, own: &Witnessed| match certain(k) {
+            false if disturbed => (own.least() - SIGMAS).min(own.unseen.nearer),
+            false if !noise => own.least(),
+            _ => own.least() + SIGMAS,
+        };
+        let all = asked.iter().enumerate().map(|(k, (own, _))| (k, short(k, own)));
+        let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(asked.into_iter().map(|(own, _)| own).collect());
         };
         let without = asked.into_iter().nth(k).map(|(_, without)| without);
@@ -194,6 +204,10 @@ mod tests {
             assert_eq!(answered(named, &failing, Some(&little)), Answer::Unknown);
             assert_eq!(answered(named, &loud, None), Answer::Unknown);
         }
+        // Where nothing has a name, more than friction wanders by is a cause that is not known.
+        let driven = Remainder { disturbed: 20.0, ..quiet };
+        assert_eq!(answered(true, &driven, Some(&little)), Answer::Effect);
+        assert_eq!(answered(false, &driven, Some(&little)), Answer::Unknown);
     }
 
     #[test]
@@ -208,14 +222,14 @@ mod tests {
         found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
         found.rounds.push(trial::round(1e4));
         let mut wrong = found.clone();
-        let unseen = keep_borne_out(&problem, &mut found, &tested, &[]).unwrap();
+        let unseen = keep_borne_out(&problem, &mut found, (&tested, &[]), true).unwrap();
         assert!(found.rounds.len() == 1 && unseen[0].t() > 0.0);
         // Where no equation stands out nothing is weighed, and no effect is lost by it.
         let noise = found.after.fit.noise;
         let (weighed, _) = weighed(&problem, &found, None, &noise, &tested, &unseen).unwrap();
         assert_eq!(weighed.shares.len(), 1);
         wrong.after.fit.model.effects[0].values[1] *= -1.0;
-        keep_borne_out(&problem, &mut wrong, &tested, &[]).unwrap();
+        keep_borne_out(&problem, &mut wrong, (&tested, &[]), true).unwrap();
         assert!(wrong.rounds.is_empty() && wrong.after.fit.model.effects.is_empty());
         assert_eq!(possible(&wrong, &mask)[0].kind, "cogging");
     }

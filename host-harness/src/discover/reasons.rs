@@ -6,9 +6,11 @@ use joint_core::effect::Kind;
 use super::findings::Gap;
 use super::force::relative_force_error;
 use super::search::{Round, Search, title};
+use crate::estimate::filter::{Disturbed, Noise};
 use crate::estimate::record::Record;
 use crate::estimate::timing;
 use crate::model::Model;
+use crate::plot::text::si;
 
 /// Why the answer is what it is, in the order in which it was found.
 pub(super) fn reasons(
@@ -31,6 +33,7 @@ pub(super) fn reasons(
             "no listed effect explains what is missing: the best score is {best:.0}, chance is ruled out from {chance:.0} on, and a full refit must keep it"
         ));
     }
+    all.extend(disturbed(&found.after.fit.noise));
     if complaints.is_empty() {
         all.push(format!(
             "what is left is noise: {:.3} sigma on held-out data where bootstrap replicates leave {:.3}",
@@ -50,6 +53,29 @@ pub(super) fn reasons(
         ));
     }
     all
+}
+
+/// What disturbs the joint beside noise that is white and alike at all speeds.
+fn disturbed(noise: &Noise) -> impl Iterator<Item = String> {
+    let reversal = (noise.reversal > 0.0).then(|| {
+        format!(
+            "friction departs from the model near reversals: by {} of torque at standstill",
+            si(noise.reversal, "Nm", 2)
+        )
+    });
+    let colours = noise.colours().map(|(place, colour)| {
+        let (name, unit) = match place {
+            Disturbed::Drive => ("drive", "V"),
+            Disturbed::Rotor => ("rotor", "Nm"),
+            Disturbed::Output => ("output", "Nm"),
+        };
+        format!(
+            "a disturbance of the {name} wanders: {} RMS, correlated over {}; what is named is judged beside it",
+            si(colour.deviation, unit, 2),
+            si(colour.correlation_s, "s", 2)
+        )
+    });
+    reversal.into_iter().chain(colours)
 }
 
 /// What each name took, and the next best one; lines that were added at once took it together.

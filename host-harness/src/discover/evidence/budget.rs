@@ -272,7 +272,7 @@ impl FreeRun {
     }
 
     /// Error after over that before, the geometric mean of the signals.
-    pub(super) fn factor(&self) -> f64 {
+    pub(in super::super) fn factor(&self) -> f64 {
         let logs = self.signals.values().map(|[before, after]| (after / before).ln());
         (logs.sum::<f64>() / self.signals.len().max(1) as f64).exp()
     }

@@ -6,8 +6,10 @@
 //! Dawid, J. R. Stat. Soc. A 147, 1984).
 
 use super::blocks::Blocks;
+use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::CHANNELS;
+use crate::model::Model;
 use crate::plant::BuildError;
 
 /// What unseen samples say of an effect.
@@ -17,6 +19,9 @@ pub struct Unseen {
     pub series: Vec<f64>,
     /// Their sum over its standard error, by blocks.
     pub t: f64,
+    /// The same of the squared errors alone, both counted in the noise of the model with it: whether that model
+    /// comes nearer, or only expects to be farther off.
+    pub nearer: f64,
 }
 
 /// Asks the samples of `tested` for a fit against the same without one of its effects, refitted.
@@ -31,17 +36,25 @@ pub(in super::super) fn unseen(
 ) -> Result<Unseen, BuildError> {
     let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(*tested))).collect();
     let asked = Problem { mask: &mask, scout: None, ..*problem };
-    // Each at its own noise: where the simpler one's has swallowed what it misses, that tells them apart.
-    let at = |fit: &Fit| -> Result<Vec<f64>, BuildError> {
-        let run = asked.design(&fit.model, &fit.noise)?;
-        let rows = run.innovations.iter().zip(run.gains.log_variances()).zip(tested);
-        let deviance = |row: &[f64; CHANNELS], log: f64| row.iter().map(bounded).sum::<f64>() + log;
-        Ok(rows.map(|((row, log), t)| if *t { deviance(row, log) } else { 0.0 }).collect())
+    let at = |model: &Model, noise: &Noise| -> Result<[Vec<f64>; 2], BuildError> {
+        let run = asked.design(model, noise)?;
+        let rows = run.innovations.iter().zip(tested);
+        let square = |row: &[f64; CHANNELS]| row.iter().map(bounded).sum::<f64>();
+        let squares: Vec<f64> = rows.map(|(row, t)| if *t { square(row) } else { 0.0 }).collect();
+        let logs = run.gains.log_variances().zip(tested).zip(&squares);
+        let deviances = logs.map(|((log, t), square)| if *t { square + log } else { 0.0 });
+        Ok([deviances.collect(), squares])
     };
-    let (plain, better) = rayon::join(|| at(without), || at(with));
-    let series: Vec<f64> = plain?.iter().zip(&better?).map(|(a, b)| a - b).collect();
-    let t = witnessed(&Blocks::of_series(tested, &series), &series);
-    Ok(Unseen { series, t })
+    // Each at its own noise: where the simpler one's has swallowed what it misses, that tells them apart.
+    let (better, (plain, farther)) = rayon::join(
+        || at(&with.model, &with.noise),
+        || rayon::join(|| at(&without.model, &without.noise), || at(&without.model, &with.noise)),
+    );
+    let ([better, near], [plain, _], [_, far]) = (better?, plain?, farther?);
+    let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
+    let told = |series: &[f64]| witnessed(&Blocks::of_series(tested, series), series);
+    let series = less(&plain, &better);
+    Ok(Unseen { t: told(&series), nearer: told(&less(&far, &near)), series })
 }
 
 /// Most that an innovation counts for, in sigmas: the few moments at which a joint sticks or slips otherwise
@@ -91,6 +104,7 @@ mod tests {
         // Five standard errors of a normal deviate happen once in three million.
         let gain = |told: &Unseen| told.series.iter().sum::<f64>();
         assert!(gain(&there) > 100.0 && there.t > 5.0, "{} {}", gain(&there), there.t);
+        assert!(there.nearer > 5.0 && not.nearer < 5.0, "{} {}", there.nearer, not.nearer);
         assert!(gain(&not) < 10.0 && not.t < 5.0, "{} {}", gain(&not), not.t);
     }
 
