@@ -140,7 +140,8 @@ pub fn discover_beside(
         found = better;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }
-    if let Some(better) = search_disturbed(problem, &found)? {
+    let noise = remainder.complaints(found.rounds.is_empty()).is_empty();
+    if let Some(better) = search_disturbed(problem, &found, noise)? {
         found = better;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }

@@ -78,24 +78,33 @@ pub(super) fn search_coloured(
 
 /// What a search finds beside a disturbance that is correlated in time, or that reversals bring, where the log is
 /// likelier with one than the model that was found is: its effects have to earn their place beside that, and
-/// others are looked for.
+/// others are looked for. Where what is left is `noise` already, only whether one of its effects falls is asked
+/// first.
 ///
 /// # Errors
 /// A model cannot be built.
 pub(super) fn search_disturbed(
     problem: Problem<'_>,
     found: &Search,
+    noise: bool,
 ) -> Result<Option<Search>, BuildError> {
-    if interrupt::asked() {
+    if interrupt::asked() || noise && found.rounds.is_empty() {
         return Ok(None);
     }
     found.bar.set_message("asking whether the joint is disturbed");
     let Stage { fit, .. } = &found.after;
-    let noise = coloured(&problem, &fit.model, &found.expected, &fit.noise)?;
-    if !noise.is_disturbed() {
+    let disturbance = coloured(&problem, &fit.model, &found.expected, &fit.noise)?;
+    if !disturbance.is_disturbed() {
         return Ok(None);
     }
     let mut other = found.clone();
+    refitted(&problem, &mut other.after, &found.expected, &disturbance)?;
+    if noise {
+        eliminate(&problem, &mut other)?;
+        if other.rounds.len() == found.rounds.len() {
+            return Ok(None);
+        }
+    }
     let Stage { fit, origin } = &found.before;
     other.before = begun(&problem, origin, fit, &found.expected)?;
     // Of a nominal that is too far off for one no effect can be asked beside it.
@@ -104,10 +113,9 @@ pub(super) fn search_disturbed(
     }
     if other.rounds.is_empty() {
         other.after = other.before.clone();
-    } else {
-        recoloured(&problem, &mut other.after, &found.expected)?;
+    } else if !noise {
+        eliminate(&problem, &mut other)?;
     }
-    eliminate(&problem, &mut other)?;
     grow(&problem, &mut other)?;
     if other.rounds.is_empty() {
         if cost(&other.after.fit) < cost(&other.before.fit) {
@@ -194,9 +202,20 @@ fn recoloured(
     stage: &mut Stage,
     expected: &Noise,
 ) -> Result<(), BuildError> {
-    let Stage { fit, origin } = &*stage;
+    let fit = &stage.fit;
     let noise = coloured(problem, &fit.model, expected, &fit.noise)?;
-    let again = polish(problem, origin, &fit.model, &fit.coordinates, expected, &noise)?;
+    refitted(problem, stage, expected, &noise)
+}
+
+/// Refits at a noise, where that makes the log likelier.
+fn refitted(
+    problem: &Problem<'_>,
+    stage: &mut Stage,
+    expected: &Noise,
+    noise: &Noise,
+) -> Result<(), BuildError> {
+    let Stage { fit, origin } = &*stage;
+    let again = polish(problem, origin, &fit.model, &fit.coordinates, expected, noise)?;
     if cost(&again) < cost(fit) {
         stage.fit = again;
     }
@@ -375,7 +394,7 @@ mod tests {
         found.after = trial::fitted(&problem, &nominal, &[drag.clone(), line]);
         let names = [(drag.start.kind, drag.start.location), (Kind::Cogging, Location::Motor)];
         found.rounds.extend(names.map(|name| Round { name, ..trial::round(100.0) }));
-        let other = search_disturbed(problem, &found).unwrap().unwrap();
+        let other = search_disturbed(problem, &found, false).unwrap().unwrap();
         let left: Vec<_> = other.rounds.iter().map(|round| round.name).collect();
         assert_eq!(left, [(Kind::Cogging, Location::Motor)]);
         let [_, own, _] = other.after.fit.noise.coloured;
@@ -386,7 +405,7 @@ mod tests {
         let problem = Problem::new(&plain, &mask).rough();
         let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
         found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
-        assert!(search_disturbed(problem, &found).unwrap().is_none());
+        assert!(search_disturbed(problem, &found, false).unwrap().is_none());
     }
 
     #[test]
