@@ -377,21 +377,23 @@ mod tests {
     #[test]
     fn beside_a_disturbance_what_it_imitated_falls_and_what_is_there_stays() {
         let nominal = trial::motor();
-        let clean = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        // A fifth of the line that the trials have: the nominal is not lost without it.
+        let line = trial::line(12.0).with("amplitude_nm", 0.004);
+        let clean = Record::new(&trial::log(&nominal, line, 4.0), None);
         let mask = vec![1.0; clean.measured.len()];
         let expected = noise::expected(&nominal, &clean);
-        let truth = Model { effects: vec![trial::line(12.0)], ..nominal.clone() };
+        let truth = Model { effects: vec![line], ..nominal.clone() };
         let mut noise = expected;
         noise.coloured[Disturbed::Rotor as usize] =
             Colour { deviation: 6.0 * expected.torque, correlation_s: 0.02 };
         let record = twin(&truth, &clean, &noise, 3).unwrap();
         let problem = Problem::new(&record, &mask).rough();
-        let line = cogging::line(12.0, 0.01, false);
         let free = vec![Free::Value { value: 0, scale: 0.02, sigma: 30.0 }];
         let drag = EffectParameters::new(Kind::QuadraticDrag, Location::Motor);
         let drag = Hypothesis { start: drag, free };
         let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
-        found.after = trial::fitted(&problem, &nominal, &[drag.clone(), line]);
+        found.after =
+            trial::fitted(&problem, &nominal, &[drag.clone(), cogging::line(12.0, 0.004, false)]);
         let names = [(drag.start.kind, drag.start.location), (Kind::Cogging, Location::Motor)];
         found.rounds.extend(names.map(|name| Round { name, ..trial::round(100.0) }));
         let other = search_disturbed(problem, &found, false).unwrap().unwrap();
@@ -404,7 +406,7 @@ mod tests {
         let plain = twin(&truth, &clean, &expected, 3).unwrap();
         let problem = Problem::new(&plain, &mask).rough();
         let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
-        found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
+        found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.004, false)]);
         assert!(search_disturbed(problem, &found, false).unwrap().is_none());
     }
 
