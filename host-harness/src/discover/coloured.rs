@@ -88,9 +88,7 @@ pub(super) fn search_disturbed(
     found: &Search,
     noise: bool,
 ) -> Result<Option<Search>, BuildError> {
-    // Effects that leave a model lost have been asked beside a disturbance already.
-    let asked = if found.rounds.is_empty() { noise } else { excess(found) > LOST };
-    if interrupt::asked() || asked {
+    if interrupt::asked() || noise && found.rounds.is_empty() {
         return Ok(None);
     }
     found.bar.set_message("asking whether the joint is disturbed");
