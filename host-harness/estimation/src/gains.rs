@@ -134,11 +134,6 @@ impl Noise {
         self.reversal > 0.0 || self.colours().next().is_some()
     }
 
-    /// The same without what is correlated in time or felt near a reversal alone.
-    pub fn whitened(self) -> Self {
-        Self { coloured: Default::default(), reversal: 0.0, ..self }
-    }
-
     /// The same with the model distrusted so many times as much.
     pub fn distrusted(self, times: f64) -> Self {
         Self {

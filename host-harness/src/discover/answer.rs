@@ -4,32 +4,30 @@
 //! so that neither a parameter nor a name was chosen on it. The gate then decides whether what was
 //! found is all there is.
 
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 use indicatif::ProgressBar;
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::Kind;
 use joint_core::params::Location;
-use nalgebra::DMatrix;
 
 use super::coloured::{search_coloured, search_disturbed};
-use super::confidence::{Left, SEPARATION, confidence};
+use super::confidence::SEPARATION;
 use super::constant::ask_constant;
-use super::evidence::{Elsewhere, FreeRun, Weighed, cannot_tell, mapped};
+use super::evidence::{Elsewhere, FreeRun, cannot_tell, mapped};
 use super::experiment::{Experiment, experiment};
-use super::findings::{Answer, Findings, Gap, Named, Verdict, Whereabouts, knots_of};
+use super::findings::{Answer, Findings, Gap, Verdict, Whereabouts};
 use super::finer::{ask_finer, is_suspect, run_everywhere};
 use super::gate::{Remainder, rms};
 use super::gear_or_encoder::ask_encoder;
+use super::named::named;
 use super::next_experiment::advice;
-use super::proportion::{Witnessed, answered, keep_borne_out, matters, possible, weighed};
+use super::proportion::{answered, keep_borne_out, matters, possible, weighed};
 use super::reasons::reasons;
 use super::rows::{noise_rows, parameter_rows};
 use super::search::Search;
 use super::timing::search_timed;
 use super::undecided::undecided;
 use super::whereabouts::locate;
-use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel, JoinError, Record};
@@ -410,89 +408,6 @@ fn gap(
         unit: "noise sigmas, held-out part",
         signals,
     }
-}
-
-fn named(
-    found: &Search,
-    standing: usize,
-    clean: bool,
-    (weighed, unseen): (&Weighed, &[Witnessed]),
-    covariance: &DMatrix<f64>,
-) -> Vec<Named> {
-    let fit = &found.after.fit;
-    let first = found.scores.iter().filter(|row| row.round == 1);
-    let tried = first.count();
-    let unnamed = weighed.budget.as_ref().map_or(f64::NAN, |budget| budget.unnamed);
-    let effects = fit.model.effects.iter().enumerate().skip(standing);
-    let rounds = found.rounds.iter().zip(&weighed.shares).zip(unseen);
-    effects
-        .zip(rounds)
-        .map(|((number, effect), ((round, share), unseen))| {
-            let other = found.constant.filter(|_| round.name.0 == Kind::Gravity);
-            let other = other.map(|constant| round.gain + constant.lead);
-            // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
-            let left = match clean && !fit.noise.is_disturbed() {
-                true => Left::Noise,
-                false => Left::more(unnamed, [share.value, share.error], unseen.t(), tried),
-            };
-            let (confidence, rivals) = confidence(round, left, other);
-            let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
-            Named {
-                kind: effect.kind.spec().kind.to_owned(),
-                location: effect.location.to_string(),
-                unnamed: effect.kind.is_unnamed(),
-                parameters,
-                knots: knots_of(effect),
-                standard_errors,
-                confidence,
-                share: share.value,
-                share_error: share.error,
-                unseen_t: unseen.unseen.t,
-                transfer_t: unseen.elsewhere,
-                gain: round.gain,
-                stays_ahead: round.stays_ahead,
-                rivals,
-            }
-        })
-        .collect()
-}
-
-/// An effect's values by key, and one sigma of those that were fitted.
-fn sizes(
-    fit: &Fit,
-    covariance: &DMatrix<f64>,
-    number: usize,
-    effect: &EffectParameters,
-) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
-    let specs = effect.kind.spec().parameters;
-    let key = |value: usize| specs.get(value).map_or("", |spec| spec.key).to_owned();
-    let parameters =
-        specs.iter().zip(effect.values).map(|(spec, value)| (spec.key.to_owned(), value)).collect();
-    let mut errors = BTreeMap::new();
-    for (k, coordinate) in fit.coordinates.iter().enumerate() {
-        match *coordinate {
-            Coordinate::Effect { effect: own, value, scale, .. } if own == number => {
-                errors.insert(key(value), covariance[(k, k)].sqrt() * scale);
-            }
-            Coordinate::Phasor { effect: own, amplitude, sine: false, scale, .. }
-                if own == number =>
-            {
-                let (size, phase) = (effect.values[amplitude], effect.values[amplitude + 1]);
-                let (cc, ss) = (covariance[(k, k)], covariance[(k + 1, k + 1)]);
-                let cs = covariance[(k, k + 1)];
-                let (cos, sin) = (phase.cos(), phase.sin());
-                let along = cc * cos * cos + ss * sin * sin + 2.0 * cs * cos * sin;
-                let across = cc * sin * sin + ss * cos * cos - 2.0 * cs * cos * sin;
-                errors.insert(key(amplitude), along.max(0.0).sqrt() * scale);
-                if size > 0.0 {
-                    let turn = across.max(0.0).sqrt() * scale / size;
-                    errors.insert(key(amplitude + 1), turn.min(std::f64::consts::PI));
-                }
-            }
-            _ => {}
-        }
-    }
-    (parameters, errors)
 }
 
 /// Innovations for show: NaN where nothing is measured.

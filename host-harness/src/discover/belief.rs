@@ -10,6 +10,7 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use joint_core::per_unit::Bases;
 
+use super::candidates::card;
 use super::contradiction::contradiction;
 use super::lines::span;
 use super::search::Search;
@@ -76,24 +77,25 @@ const STRETCHES: usize = 200;
 /// Whether an effect warms and cools faster than the motion changes: then it follows the present speed or
 /// current, and is some other law of these.
 fn forgetful(effect: &EffectParameters, record: &Record) -> bool {
-    let thermal = matches!(effect.kind, Kind::LubricantWarming | Kind::WindingHeating);
-    thermal && effect.values[1] < lasting_s(record)
+    let keys = effect.kind.spec().parameters.iter().map(|spec| spec.key);
+    let constant = keys.zip(effect.values).find(|(key, _)| *key == "time_constant_s");
+    let thermal = card(effect.kind).reference.is_some();
+    thermal && constant.is_some_and(|(_, constant_s)| constant_s < lasting_s(record))
 }
 
-/// How long a motion lasts, s: the RMS of the rotor's speed over that of its change in time; zero of one that
-/// is nowhere seen.
+/// How long a motion lasts, s: the RMS of the rotor's speed about its mean over that of its change in time; zero
+/// of one that is nowhere seen. At a constant speed a temperature changes alone.
 fn lasting_s(record: &Record) -> f64 {
     let stretch = (record.len() / STRETCHES).max(1);
     let shown = |k: usize| (record.time_s[k], record.measured[k][Channel::Motor as usize]);
     let places: Vec<_> = (0..record.len()).step_by(stretch).map(shown).collect();
     let speeds: Vec<f64> =
         places.windows(2).map(|at| (at[1].1 - at[0].1) / (at[1].0 - at[0].0)).collect();
+    let speeds: Vec<f64> = speeds.into_iter().filter(|speed| speed.is_finite()).collect();
+    let mean = speeds.iter().sum::<f64>() / speeds.len().max(1) as f64;
+    let speed: f64 = speeds.iter().map(|speed| (speed - mean).powi(2)).sum();
+    let change: f64 = speeds.windows(2).map(|at| (at[1] - at[0]).powi(2)).sum();
     let interval = record.grid.typical_interval() * stretch as f64;
-    let square = |all: &mut dyn Iterator<Item = f64>| {
-        all.filter(|value| value.is_finite()).map(|value| value * value).sum::<f64>()
-    };
-    let speed = square(&mut speeds.iter().copied());
-    let change = square(&mut speeds.windows(2).map(|at| at[1] - at[0]));
     if change > 0.0 { interval * (speed / change).sqrt() } else { 0.0 }
 }
 
@@ -253,6 +255,12 @@ mod tests {
             possible(&warming.with("time_constant_s", constant_s), &actuator(), &record)
         };
         assert_eq!([1e-3, 0.09, 0.12, 100.0].map(warming), [false, false, true, true]);
+        // At a constant speed, seen by an encoder that rounds, the drag falls with the temperature alone.
+        let turning = Log {
+            motor_angle_rad: (0..4000).map(|k| (f64::from(k) * 0.1).round() * 1e-2).collect(),
+            ..log
+        };
+        assert!(lasting_s(&Record::new(&turning, None)) < 0.05);
     }
 
     #[test]

@@ -27,6 +27,7 @@ mod hope;
 pub mod hypothesis;
 pub mod lines;
 mod measured;
+mod named;
 mod needless;
 pub mod next_experiment;
 mod order;

@@ -27,9 +27,9 @@ const UNCONFIRMED: f64 = 0.5;
 const TOLERANCE: f64 = 0.01;
 
 /// The answer. Where nothing has a name, a disturbance that is more than a joint's own makes it unknown: what
-/// drives the joint is then not known. A remainder that is no noise makes it unknown where it is predictable and matters, where the
-/// model fails on samples that no fit has seen, or where nobody could look; a disturbance that follows
-/// nothing is no law that is missing.
+/// drives the joint is then not known. A remainder that is no noise makes it unknown where it is predictable and
+/// matters, where the model fails on samples that no fit has seen, or where nobody could look; a disturbance that
+/// follows nothing is no law that is missing.
 pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -> Answer {
     let harmless = budget.is_some_and(|budget| !matters(budget));
     let noise = left.complaints(!named).is_empty();

@@ -103,10 +103,29 @@ mod tests {
 
     use super::super::search::Contender;
     use super::*;
+    use crate::estimate::filter::Colour;
 
     fn round(kind: Kind, gain: f64, rivals: Vec<Contender>) -> Round {
         let name = (kind, Location::Motor);
         Round { name, gain, rivals, runner_up: None, stays_ahead: 1.0 }
+    }
+
+    #[test]
+    fn a_disturbance_is_told_with_its_size_and_its_time() {
+        let mut noise = Noise {
+            drive: 0.1,
+            torque: 0.1,
+            reversal: 0.0,
+            output: 0.0,
+            sensors: [0.1; 3],
+            coloured: Default::default(),
+        };
+        assert_eq!(disturbed(&noise).count(), 0);
+        noise.reversal = 3e-3;
+        noise.coloured[Disturbed::Rotor as usize] = Colour { deviation: 0.02, correlation_s: 0.4 };
+        let told: Vec<String> = disturbed(&noise).collect();
+        assert!(told[0].contains("3.0 mNm") && told[0].contains("reversals"), "{told:?}");
+        assert!(told[1].contains("rotor wanders: 20 mNm RMS") && told[1].contains("400 ms"));
     }
 
     #[test]
