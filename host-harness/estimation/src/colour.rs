@@ -155,8 +155,8 @@ fn tried(
 mod tests {
     use super::*;
     use crate::noise::expected;
+    use crate::replicate;
     use crate::scoring::Source;
-    use crate::twin;
     use joint_simulation::demo::actuator;
     use joint_simulation::synthetic::{Experiment, record};
 
@@ -167,7 +167,7 @@ mod tests {
         let record = Record::new(&log.unwrap(), Some(2));
         let expected = expected(&model, &record);
         let noise = noise(expected);
-        let record = twin::twin(&model, &record, &noise, 7).unwrap();
+        let record = replicate::replicate(&model, &record, &noise, 7).unwrap();
         (model, record, expected, noise)
     }
 

@@ -131,7 +131,7 @@ mod tests {
     use crate::filter::{Equation, Linearisation, Observer, Walk};
     use crate::parameters::Quantity;
     use crate::record::Record;
-    use crate::{noise, twin};
+    use crate::{noise, replicate};
     use joint_simulation::log::Log;
     use joint_simulation::plant::micro_steps;
     use joint_simulation::scenario::paper;
@@ -170,7 +170,7 @@ mod tests {
             ..Log::default()
         };
         let blank = Record::new(&log, Some(micro_steps(model, 1e-4)));
-        twin::twin(model, &blank, &noise::expected(model, &blank), 1).unwrap()
+        replicate::replicate(model, &blank, &noise::expected(model, &blank), 1).unwrap()
     }
 
     /// Step of the differences that slopes are held against.

@@ -77,7 +77,7 @@ mod tests {
     use crate::filter::Noise;
     use crate::fit::Problem;
     use crate::refit::refit;
-    use crate::twin;
+    use crate::replicate;
     use joint_simulation::demo::actuator;
     use joint_simulation::log::Log;
     use joint_simulation::synthetic::{Experiment, record};
@@ -100,9 +100,9 @@ mod tests {
 
         let commanded = Record::new(&log, Some(2));
         let noise = noise::expected(&model, &commanded);
-        let twin = twin::twin(&model, &commanded, &noise, 1).unwrap();
-        log.motor_angle_rad = twin.measured.iter().map(|row| row[1]).collect();
-        log.output_angle_rad = Some(twin.measured.iter().map(|row| row[2]).collect());
+        let replicate = replicate::replicate(&model, &commanded, &noise, 1).unwrap();
+        log.motor_angle_rad = replicate.measured.iter().map(|row| row[1]).collect();
+        log.output_angle_rad = Some(replicate.measured.iter().map(|row| row[2]).collect());
         assert_eq!(lead(&log), 0.0);
     }
 
@@ -119,7 +119,7 @@ mod tests {
         assert!(!asked(quiet.clone()).0.output_disturbed);
         let expected = noise::expected(&model, &quiet.disturbed());
         let noise = Noise { output: 300.0 * expected.output, ..expected };
-        let (record, fit) = asked(twin::twin(&model, &quiet, &noise, 1).unwrap());
+        let (record, fit) = asked(replicate::replicate(&model, &quiet, &noise, 1).unwrap());
         assert!(record.output_disturbed);
         assert!((fit.noise.output / noise.output - 1.0).abs() < 0.2, "{:?} {noise:?}", fit.noise);
         let stiffness = |model: &Model| model.stages[0].stiffness_nm_per_rad;

@@ -50,7 +50,7 @@ const SHARE: f64 = 0.003;
 const NEAR: f64 = 0.9;
 /// Share of the way from the best to the worst within which a name comes near.
 const WITHIN: f64 = 0.5;
-/// Twins that tell what a hypothesis explains by luck.
+/// Replicates that tell what a hypothesis explains by luck.
 const TWINS: u64 = 3;
 
 /// A name on its way: its hypothesis, its score, where it is fitted from and the test that gave it.

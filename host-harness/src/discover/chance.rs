@@ -1,4 +1,4 @@
-//! What a score means: what twins reach by chance, what a name must explain, and which lines are worth
+//! What a score means: what replicates reach by chance, what a name must explain, and which lines are worth
 //! telling the reader.
 
 use joint_core::params::Location;
@@ -48,7 +48,7 @@ pub(super) fn told(lines: &[(f64, Gain)], best: f64, by_chance: f64) -> Vec<f64>
     told.into_iter().map(|(order, _)| order).take(8).collect()
 }
 
-/// What nothing reaches by chance: six sigma above the mean of the twins' best, each measured by its
+/// What nothing reaches by chance: six sigma above the mean of the replicates' best, each measured by its
 /// own luck.
 pub(super) fn threshold<'a>(gains: impl Iterator<Item = &'a Gain>) -> f64 {
     let mut best = Vec::new();

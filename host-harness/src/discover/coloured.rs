@@ -372,7 +372,7 @@ mod tests {
     use crate::estimate::filter::{Colour, Disturbed};
     use crate::estimate::noise;
     use crate::estimate::record::Record;
-    use crate::estimate::twin::twin;
+    use crate::estimate::replicate::replicate;
 
     #[test]
     fn beside_a_disturbance_what_it_imitated_falls_and_what_is_there_stays() {
@@ -386,7 +386,7 @@ mod tests {
         let mut noise = expected;
         noise.coloured[Disturbed::Rotor as usize] =
             Colour { deviation: 6.0 * expected.torque, correlation_s: 0.02 };
-        let record = twin(&truth, &clean, &noise, 3).unwrap();
+        let record = replicate(&truth, &clean, &noise, 3).unwrap();
         let problem = Problem::new(&record, &mask).rough();
         let free = vec![Free::Value { value: 0, scale: 0.02, sigma: 30.0 }];
         let drag = EffectParameters::new(Kind::QuadraticDrag, Location::Motor);
@@ -403,7 +403,7 @@ mod tests {
         assert!((own.deviation / (6.0 * expected.torque)).ln().abs() < 0.5, "{own:?}");
 
         // Where nothing disturbs, nothing is asked again.
-        let plain = twin(&truth, &clean, &expected, 3).unwrap();
+        let plain = replicate(&truth, &clean, &expected, 3).unwrap();
         let problem = Problem::new(&plain, &mask).rough();
         let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
         found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.004, false)]);

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::search::Stage;
 use crate::estimate::fit::Problem;
 use crate::estimate::record::{CHANNELS, Channel, Record};
-use crate::estimate::twin::twin;
+use crate::estimate::replicate::replicate;
 use crate::log::Log;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout, Plant, plant};
@@ -205,7 +205,7 @@ fn angles(plant: &dyn Plant, model: &Model, input: &Record) -> impl Iterator<Ite
 /// What the wrong model loses on records of either, on average, in log-likelihood.
 fn worth(input: &Record, rivals: [&Stage; 2]) -> Result<f64, BuildError> {
     let lost = |[right, wrong]: [&Stage; 2]| {
-        let record = twin(&right.fit.model, input, &right.fit.noise, 7)?;
+        let record = replicate(&right.fit.model, input, &right.fit.noise, 7)?;
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
         let own = problem.design(&right.fit.model, &right.fit.noise)?.deviance;

@@ -2,13 +2,13 @@
 //!
 //! The best of a wrong list still wins its comparison. What gives it away is what it leaves behind:
 //! noise far above what the sensors and the joint's nature lead one to expect, or innovations that
-//! are not white where those of the model's own twin are.
+//! are not white where those of the model's own replicate are.
 
 use crate::estimate::filter::{Disturbed, Noise};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel};
 use crate::estimate::refit::{DOUBTFUL, RUGGED};
-use crate::estimate::twin::null_innovations;
+use crate::estimate::replicate::null_innovations;
 use crate::plant::BuildError;
 use joint_core::joint::Drive;
 use serde::{Deserialize, Serialize};
@@ -19,18 +19,18 @@ const DRIVE_EXCESS: f64 = 3.0;
 /// and of the plain one, which has no law of an effect that may be slightly other than the joint's.
 const TORQUE_EXCESS: f64 = 4.5;
 pub(super) const PLAIN_TORQUE_EXCESS: f64 = DOUBTFUL;
-/// Twins that tell what a right model leaves.
+/// Replicates that tell what a right model leaves.
 const TWINS: u64 = 6;
 /// The first of their seeds.
 const SEED: u64 = 100;
-/// Most that an autocorrelation may differ from the twins', beyond what theirs scatter: an encoder that
+/// Most that an autocorrelation may differ from the replicates', beyond what theirs scatter: an encoder that
 /// stands on a count for long correlates as the moment has it.
 const COLOUR: f64 = 0.1;
-/// Sigmas of the twins' own scatter that are theirs.
+/// Sigmas of the replicates' own scatter that are theirs.
 const SCATTER: f64 = 2.0;
-/// Most that a channel's variance may differ from the twins', relative.
+/// Most that a channel's variance may differ from the replicates', relative.
 const VARIANCE: f64 = 0.15;
-/// Most that the errors on samples which no fit has seen may exceed a twin's, as RMS: of a smooth joint, and
+/// Most that the errors on samples which no fit has seen may exceed a replicate's, as RMS: of a smooth joint, and
 /// of a rugged chain, where a friction law slightly other than ours lets go at another moment.
 const UNSEEN: f64 = 1.15;
 const UNSEEN_OF_RUGGED: f64 = 1.25;
@@ -53,15 +53,15 @@ pub struct Remainder {
     /// where there is none.
     #[serde(default)]
     pub disturbed: f64,
-    /// Largest difference of an autocorrelation from the twins' beyond their scatter, by channel.
+    /// Largest difference of an autocorrelation from the replicates' beyond their scatter, by channel.
     pub colour: [f64; CHANNELS],
-    /// Variance over the twins', by channel; zero where nothing is measured.
+    /// Variance over the replicates', by channel; zero where nothing is measured.
     pub variance: [f64; CHANNELS],
-    /// RMS of the innovations on the twins, by channel: the floor.
+    /// RMS of the innovations on the replicates, by channel: the floor.
     pub floor: [f64; CHANNELS],
     /// The same over all channels.
     pub floor_all: f64,
-    /// RMS of the innovations over a twin's on samples that no fit has seen; zero where nobody asked.
+    /// RMS of the innovations over a replicate's on samples that no fit has seen; zero where nobody asked.
     #[serde(default)]
     pub unseen: f64,
     /// Whether the model is a rugged chain, of which a few moments may go otherwise.
@@ -100,13 +100,13 @@ impl Remainder {
                 continue;
             }
             let (own, own_colour) = moments(&fit.innovations, mask, c);
-            let twins: Vec<_> = nulls.iter().map(|null| moments(null, mask, c)).collect();
-            let count = twins.len() as f64;
-            let variance = twins.iter().map(|(v, _)| v).sum::<f64>() / count;
+            let replicates: Vec<_> = nulls.iter().map(|null| moments(null, mask, c)).collect();
+            let count = replicates.len() as f64;
+            let variance = replicates.iter().map(|(v, _)| v).sum::<f64>() / count;
             remainder.variance[c] = own / variance;
             remainder.floor[c] = variance.sqrt();
             for lag in 0..LAGS {
-                let colours: Vec<f64> = twins.iter().map(|(_, colour)| colour[lag]).collect();
+                let colours: Vec<f64> = replicates.iter().map(|(_, colour)| colour[lag]).collect();
                 // Errors smaller than a right model's are none, whatever their colour.
                 let colour = remainder.variance[c].min(1.0) * beyond(own_colour[lag], &colours);
                 remainder.colour[c] = remainder.colour[c].max(colour);
@@ -176,11 +176,12 @@ impl Remainder {
     }
 }
 
-/// How far a value lies from the twins' mean, beyond their scatter.
-fn beyond(own: f64, twins: &[f64]) -> f64 {
-    let count = twins.len().max(2) as f64;
-    let mean = twins.iter().sum::<f64>() / count;
-    let square = twins.iter().map(|twin| (twin - mean).powi(2)).sum::<f64>() / (count - 1.0);
+/// How far a value lies from the replicates' mean, beyond their scatter.
+fn beyond(own: f64, replicates: &[f64]) -> f64 {
+    let count = replicates.len().max(2) as f64;
+    let mean = replicates.iter().sum::<f64>() / count;
+    let square =
+        replicates.iter().map(|replicate| (replicate - mean).powi(2)).sum::<f64>() / (count - 1.0);
     ((own - mean).abs() - SCATTER * square.sqrt()).max(0.0)
 }
 

@@ -2,7 +2,7 @@
 //! prediction errors pull at.
 //!
 //! Every effect that repeats with an angle pulls the errors in a shape times a sine of that angle.
-//! Summed over the record for every order at once, and held against what twins of the model show
+//! Summed over the record for every order at once, and held against what replicates of the model show
 //! at the same order, that is a spectrum in which a line stands out at the order it has, whole or
 //! not. What it ranks highest is then tested properly.
 
@@ -14,7 +14,7 @@ use rustfft::num_complex::Complex;
 pub struct Family {
     /// The angle by sample, rad.
     pub angle: Vec<f64>,
-    /// What a unit of the effect pulls at by sample: on the record, then on each twin.
+    /// What a unit of the effect pulls at by sample: on the record, then on each replicate.
     pub weights: Vec<Vec<f64>>,
     /// Highest order.
     pub highest: f64,
@@ -100,11 +100,11 @@ impl Family {
         found.into_iter().map(|(order, _)| order).take(count).collect()
     }
 
-    /// Orders per point, and the power at each point in units of what twins show there.
+    /// Orders per point, and the power at each point in units of what replicates show there.
     fn spectrum(&self) -> Option<(f64, Vec<f64>)> {
         let turns = self.turns();
-        let (own, twins) = self.weights.split_first()?;
-        if turns <= 0.0 || self.highest <= 0.0 || twins.is_empty() {
+        let (own, replicates) = self.weights.split_first()?;
+        if turns <= 0.0 || self.highest <= 0.0 || replicates.is_empty() {
             return None;
         }
         let wanted = FINE * turns * BINS * self.highest;
@@ -129,9 +129,9 @@ impl Family {
             bins.iter().take(points).map(|bin| bin.norm_sqr()).collect()
         };
         let mut null = vec![0.0; points];
-        for twin in twins {
-            for (sum, value) in null.iter_mut().zip(power(twin)) {
-                *sum += value / twins.len() as f64;
+        for replicate in replicates {
+            for (sum, value) in null.iter_mut().zip(power(replicate)) {
+                *sum += value / replicates.len() as f64;
             }
         }
         let reach = ((2.0 / per_point) as usize).max(4);
@@ -171,9 +171,9 @@ mod tests {
         let angle: Vec<f64> =
             (0..8000).map(|k| turns * std::f64::consts::TAU * f64::from(k) / 8000.0).collect();
         let own = angle.iter().map(|q| 0.2 * (order * q + 0.3).sin() + white()).collect();
-        let twin = |_| angle.iter().map(|_| white()).collect();
-        let twins: Vec<Vec<f64>> = (0..4).map(twin).collect();
-        let weights = std::iter::once(own).chain(twins).collect();
+        let replicate = |_| angle.iter().map(|_| white()).collect();
+        let replicates: Vec<Vec<f64>> = (0..4).map(replicate).collect();
+        let weights = std::iter::once(own).chain(replicates).collect();
         Family { angle: angle.clone(), weights, highest: 60.0, periods: 2.0 }
     }
 

@@ -17,7 +17,7 @@ use crate::estimate::coordinates::{Coordinate, precision};
 use crate::estimate::filter::{Linearisation, Observer};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::gram::{gram, shared};
-use crate::estimate::twin::null_innovations;
+use crate::estimate::replicate::null_innovations;
 use crate::model::Model;
 use crate::plant::plant;
 
@@ -31,7 +31,7 @@ pub struct ScoreTest<'a> {
     offset: DVector<f64>,
     /// What the base model's distance from its priors costs.
     prior: f64,
-    /// The record's own innovations, then those of its twins.
+    /// The record's own innovations, then those of its replicates.
     residuals: Vec<Residual>,
     /// What each of them pulls at.
     pulls: Vec<Pull>,
@@ -50,14 +50,14 @@ struct Residual {
 pub struct Gain {
     /// On the record.
     pub real: f64,
-    /// On each twin, where nothing is missing.
+    /// On each replicate, where nothing is missing.
     pub null: Vec<f64>,
     /// Free values.
     pub free: usize,
 }
 
 impl Gain {
-    /// How many times more than its free values should a hypothesis explains of the twins, one at
+    /// How many times more than its free values should a hypothesis explains of the replicates, one at
     /// least: some follow what no linear step sees, and would hide all the others.
     pub fn luck(&self) -> f64 {
         let mean = self.null.iter().sum::<f64>() / self.null.len().max(1) as f64;
@@ -66,8 +66,13 @@ impl Gain {
 }
 
 impl<'a> ScoreTest<'a> {
-    /// Of a fitted model, with that many twins; `None` if its curvature is not positive.
-    pub fn new(problem: Problem<'a>, origin: &'a Model, base: &'a Fit, twins: u64) -> Option<Self> {
+    /// Of a fitted model, with that many replicates; `None` if its curvature is not positive.
+    pub fn new(
+        problem: Problem<'a>,
+        origin: &'a Model,
+        base: &'a Fit,
+        replicates: u64,
+    ) -> Option<Self> {
         let jacobian = problem.sensitivity(&base.model, &base.gains, &base.coordinates, None);
         let precision = precision(&base.coordinates);
         let offset = base.coordinates.iter().map(|c| c.distance(origin, &base.model));
@@ -75,7 +80,7 @@ impl<'a> ScoreTest<'a> {
         let curvature = gram(&jacobian) + DMatrix::from_diagonal(&precision);
         let curvature = curvature.cholesky()?;
         let (model, noise, gains) = (&base.model, &base.noise, &base.gains);
-        let nulls = null_innovations(model, &problem, noise, gains, 0..twins).ok()?;
+        let nulls = null_innovations(model, &problem, noise, gains, 0..replicates).ok()?;
         let plant = plant(&base.model, &problem.record.grid, problem.record.drive).ok()?;
         let observer = Observer::new(&base.model, &*plant, problem.record);
         let mut along = Cow::Owned(Linearisation::default());
@@ -110,7 +115,7 @@ impl<'a> ScoreTest<'a> {
         Some(test)
     }
 
-    /// What the record's innovations pull at, then those of each twin.
+    /// What the record's innovations pull at, then those of each replicate.
     pub fn pulls(&self) -> &[Pull] {
         &self.pulls
     }
@@ -186,7 +191,7 @@ impl<'a> ScoreTest<'a> {
         start: Option<&Residual>,
         moved: Vec<DVector<f64>>,
     ) -> Option<Gain> {
-        let (real, twins) = self.residuals.split_first()?;
+        let (real, replicates) = self.residuals.split_first()?;
         let from = start.unwrap_or(real);
         let columns: Vec<_> = coordinates
             .iter()
@@ -217,7 +222,7 @@ impl<'a> ScoreTest<'a> {
         let possible = gain.is_finite() && gain <= cost(real) + self.prior;
         possible.then(|| Gain {
             real: gain,
-            null: twins.iter().map(explained).collect(),
+            null: replicates.iter().map(explained).collect(),
             free: coordinates.len(),
         })
     }

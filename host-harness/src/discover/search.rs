@@ -1,7 +1,7 @@
 //! The search: refit, look for what is missing, add the best name, and look again.
 //!
 //! Each round scores every hypothesis by one linear step, refits the most promising ones fully and
-//! with their own noise, and keeps the best if it explains more than anything does on twins of the
+//! with their own noise, and keeps the best if it explains more than anything does on replicates of the
 //! model, where nothing is missing. At the end every added effect has to prove that it is still
 //! needed.
 
@@ -42,7 +42,7 @@ use crate::plant::BuildError;
 
 /// Most effects that are added.
 pub const MOST_EFFECTS: usize = 4;
-/// Twins from which a round's threshold is taken.
+/// Replicates from which a round's threshold is taken.
 const TWINS: u64 = 6;
 /// What counts, in units of minus twice the log-likelihood: less is what a friction law slightly other
 /// than ours leaves.

@@ -2,6 +2,7 @@
 
 pub mod blind;
 mod breakdown;
+pub mod families;
 pub mod misfits;
 mod share;
 mod summary;

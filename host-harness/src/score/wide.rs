@@ -85,6 +85,15 @@ fn content(number: u64) -> Content {
     ROUND[(number % ROUND.len() as u64) as usize]
 }
 
+/// How many effects trial `number` hides, the withdrawn one among them.
+pub(super) fn effects_of(number: u64) -> usize {
+    match content(number) {
+        Nothing => 0,
+        Effects(count) => count,
+        Withdrawn => 1,
+    }
+}
+
 /// Which joints are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rigs {
@@ -119,11 +128,7 @@ pub fn trial(seed: u64, number: u64, rigs: Rigs) -> Result<Trial, ReferenceError
         perturbed_within(&truth, random.random(), [0.03, worst], [0.03_f64, worst.max(0.2)]);
 
     let content = content(number);
-    let wanted = match content {
-        Nothing => 0,
-        Effects(count) => count,
-        Withdrawn => 1,
-    };
+    let wanted = effects_of(number);
     let size = SIZES[random.random_range(0..SIZES.len())];
     let mut effects = hide(&truth, wanted, size, setting.duration_s, &mut random);
     timing(&mut effects, &truth, size, setting.duration_s, mixed);
@@ -202,7 +207,7 @@ fn timing(effects: &mut [EffectParameters], truth: &Model, size: f64, duration_s
 }
 
 /// So many effects of different kinds; fewer where the joint has no place for more.
-fn hide(
+pub(super) fn hide(
     truth: &Model,
     wanted: usize,
     size: f64,
@@ -260,6 +265,14 @@ fn family(random: &mut impl Rng) -> Family {
         },
         4 => Family::Tanh { width: random.random_range(0.03..0.15) },
         _ => Family::LimitedViscous { limit: random.random_range(0.1..0.6) },
+    }
+}
+
+/// A family other than the model's own, and the exponent of its Stribeck curve.
+pub(super) fn another_family(random: &mut impl Rng) -> (Family, f64) {
+    match family(random) {
+        Family::LuGre => (Family::LuGre, random.random_range(0.5..1.6)),
+        other => (other, random.random_range(0.5..2.0)),
     }
 }
 

@@ -16,6 +16,7 @@ use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
 use crate::score::blind::{self, Trial};
+use crate::score::families;
 use crate::score::wide::{self, Rigs};
 use crate::score::{Case, Row, Summary, cases, files, row, rows, table};
 
@@ -39,7 +40,7 @@ pub struct Args {
     #[arg(long, value_name = "N", conflicts_with = "set")]
     pub simulate: Option<u64>,
     /// How they are drawn: with one motion, one misfit and white noise; as measured joints are; the
-    /// latter of the paper's joint alone
+    /// latter of the paper's joint alone; with friction of another law alone
     #[arg(long, value_enum, default_value_t = Draws::Narrow, conflicts_with_all = ["set", "join"])]
     pub draws: Draws,
     /// Which joints are drawn
@@ -71,13 +72,15 @@ pub enum Draws {
     Wide,
     /// The same of the paper's joint alone
     WidePaper,
+    /// Two to four seconds of any motion, white noise, and friction of another law than the model's
+    Friction,
 }
 
 impl Draws {
     fn answer(self, number: u64) -> Answer {
         match self {
             Self::Narrow => blind::answer(number),
-            Self::Wide | Self::WidePaper => wide::answer(number),
+            Self::Wide | Self::WidePaper | Self::Friction => wide::answer(number),
         }
     }
 
@@ -86,6 +89,7 @@ impl Draws {
             Self::Narrow => blind::trial(seed, number),
             Self::Wide => wide::trial(seed, number, Rigs::All),
             Self::WidePaper => wide::trial(seed, number, Rigs::Paper),
+            Self::Friction => families::trial(seed, number),
         };
         trial.map_err(|error| Failure::check(format!("draw {number}: {error}")))
     }

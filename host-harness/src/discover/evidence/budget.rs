@@ -14,7 +14,7 @@ use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::free_run;
 use crate::estimate::noise;
 use crate::estimate::record::{Channel, Record};
-use crate::estimate::twin::twin;
+use crate::estimate::replicate::replicate;
 use crate::model::Model;
 use crate::plant::{BuildError, Layout};
 use joint_core::joint::Drive;
@@ -203,7 +203,7 @@ fn white(
     let own = noise::refine(&beside, &after.model, expected, &after.noise)?;
     let mut sum = 0.0;
     for seed in SEED..SEED + REPLICATES {
-        let replicate = twin(&after.model, problem.record, &own, seed)?;
+        let replicate = replicate(&after.model, problem.record, &own, seed)?;
         let problem = Problem { record: &replicate, scout: None, ..*problem };
         let run = pushed(&problem, &after.model, noise, walk)?;
         let series = disturbance(of_push(&run), walk);

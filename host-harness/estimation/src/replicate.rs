@@ -1,6 +1,6 @@
-//! The twin: a record that the fitted model itself would have produced.
+//! A bootstrap replicate: a record that the fitted model itself would have produced (parametric bootstrap).
 //!
-//! Same inputs, same sensors, same noise, nothing missing. What a statistic is on twins is what it
+//! Same inputs, same sensors, same noise, nothing missing. What a statistic is on replicates is what it
 //! is when nothing is missing, so every threshold is taken from here.
 
 use std::ops::Range;
@@ -19,14 +19,14 @@ use joint_simulation::lanes::LANES;
 use joint_simulation::model::Model;
 use joint_simulation::plant::{BuildError, Layout, plant};
 
-/// RMS of whitened innovations from which on a twin is thrown: a right filter leaves one.
+/// RMS of whitened innovations from which on a replicate is thrown: a right filter leaves one.
 const THROWN: f64 = 5.0;
 
-/// A twin of a record.
+/// A replicate of a record.
 ///
 /// # Errors
 /// The model cannot be built.
-pub fn twin(
+pub fn replicate(
     model: &Model,
     record: &Record,
     noise: &Noise,
@@ -39,7 +39,7 @@ pub fn twin(
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let mut state = Vec::new();
-    let mut twin = record.clone();
+    let mut replicate = record.clone();
     let walks: Vec<Walk> = noise.walks(layout.stages).collect();
     let mut disturbances = vec![0.0; walks.len()];
     let count = Channel::ALL.map(|channel| 12.0_f64.sqrt() * noise.sensors[channel as usize]);
@@ -58,7 +58,7 @@ pub fn twin(
             let Some(then) = then else { continue };
             if record.measured[then][c].is_finite() {
                 let shown = observer.shown(channel, &state, &[]);
-                twin.measured[then][c] = match channel {
+                replicate.measured[then][c] = match channel {
                     Channel::Current => shown + noise.sensors[c] * normal(),
                     _ => {
                         let seen = shown + late * record.jitter(then, channel).sqrt();
@@ -89,11 +89,11 @@ pub fn twin(
             observer.push(&mut state, layout.stages, noise.output * normal(), interval);
         }
     }
-    Ok(twin)
+    Ok(replicate)
 }
 
-/// Innovations that a model leaves on twins of its own, as far as the problem fits, with the gains of the
-/// record's filter: twins differ from it by noise alone. Where noise throws a twin, or the filter on it, they
+/// Innovations that a model leaves on replicates of its own, as far as the problem fits, with the gains of the
+/// record's filter: replicates differ from it by noise alone. Where noise throws a replicate, or the filter on it, they
 /// are what every right filter leaves: white, of variance one.
 ///
 /// # Errors
@@ -106,22 +106,23 @@ pub fn null_innovations(
     seeds: Range<u64>,
 ) -> Result<Vec<Rows>, BuildError> {
     let seeds: Vec<u64> = seeds.collect();
-    let twins = seeds
+    let replicates = seeds
         .par_iter()
-        .map(|seed| twin(model, problem.record, noise, *seed))
+        .map(|seed| replicate(model, problem.record, noise, *seed))
         .collect::<Result<Vec<_>, _>>()?;
     let plant = plant(model, &problem.record.grid, problem.record.drive)?;
-    let observers: Vec<Observer<'_>> = twins
+    let observers: Vec<Observer<'_>> = replicates
         .iter()
-        .map(|twin| Observer::new(model, &*plant, twin).as_far_as(problem.mask))
+        .map(|replicate| Observer::new(model, &*plant, replicate).as_far_as(problem.mask))
         .collect();
     let together = observers.par_chunks(LANES);
     let mut all: Vec<Rows> =
         together.flat_map_iter(|observers| abreast::innovations(observers, gains)).collect();
-    for ((rows, twin), seed) in all.iter_mut().zip(&twins).zip(seeds) {
-        let thrown = !twin.measured.iter().zip(&problem.record.measured).all(|(own, given)| {
-            own.iter().zip(given).all(|(own, given)| own.is_finite() || !given.is_finite())
-        });
+    for ((rows, replicate), seed) in all.iter_mut().zip(&replicates).zip(seeds) {
+        let thrown =
+            !replicate.measured.iter().zip(&problem.record.measured).all(|(own, given)| {
+                own.iter().zip(given).all(|(own, given)| own.is_finite() || !given.is_finite())
+            });
         if thrown || is_thrown(rows) {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             for (row, measured) in rows.iter_mut().zip(&problem.record.measured) {
@@ -149,7 +150,7 @@ mod tests {
     use joint_simulation::demo::actuator;
     use joint_simulation::synthetic::{Experiment, record};
 
-    /// Variance of what twins leave of an actuator whose rotor feels this torque noise, Nm.
+    /// Variance of what replicates leave of an actuator whose rotor feels this torque noise, Nm.
     fn left(torque: f64) -> (bool, f64) {
         let model = actuator();
         let log = record(&model, &Experiment { duration_s: 0.2, ..Experiment::default() }, 3);
@@ -157,7 +158,7 @@ mod tests {
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
         let wild = Noise { torque, ..expected(&model, &record) };
-        let thrown = twin(&model, &record, &wild, 1).unwrap();
+        let thrown = replicate(&model, &record, &wild, 1).unwrap();
         let finite = thrown.measured.iter().flatten().all(|value| value.is_finite());
         let gains = problem.design(&model, &expected(&model, &record)).unwrap().gains;
         let rows = null_innovations(&model, &problem, &wild, &gains, 1..2).unwrap().remove(0);
