@@ -51,7 +51,7 @@ const NEAR: f64 = 0.9;
 /// Share of the way from the best to the worst within which a name comes near.
 const WITHIN: f64 = 0.5;
 /// Replicates that tell what a hypothesis explains by luck.
-const TWINS: u64 = 3;
+const REPLICATES: u64 = 3;
 
 /// A name on its way: its hypothesis, its score, where it is fitted from and the test that gave it.
 struct Entry<'a> {
@@ -84,7 +84,7 @@ pub(super) fn add_annealed(
     let starts = [bent?, nominal?];
     let tests: Vec<ScoreTest<'_>> = starts
         .par_iter()
-        .filter_map(|start| ScoreTest::new(ahead, &base.origin, start, TWINS))
+        .filter_map(|start| ScoreTest::new(ahead, &base.origin, start, REPLICATES))
         .collect();
     if tests.len() < starts.len() {
         return Ok(false);

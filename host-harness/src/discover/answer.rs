@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use joint_core::effect::Kind;
 use joint_core::params::Location;
 
-use super::coloured::{search_coloured, search_disturbed};
+use super::coloured::{beside_disturbance, stands, without_disturbance};
 use super::confidence::SEPARATION;
 use super::constant::ask_constant;
 use super::evidence::{Elsewhere, FreeRun, cannot_tell, mapped};
@@ -132,15 +132,21 @@ pub fn discover_beside(
 
     bar.set_message("asking whether what is left is noise");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
-    if !remainder.complaints(found.rounds.is_empty()).is_empty()
-        && let Some(better) = search_coloured(problem, &found)?
+    let mut noise = remainder.complaints(found.rounds.is_empty()).is_empty();
+    let mut beside = beside_disturbance(problem, &found, noise)?;
+    if !noise
+        && let Some(other) = &beside
+        && let Some(better) = without_disturbance(problem, &found, other)?
     {
         found = better;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+        noise = remainder.complaints(found.rounds.is_empty()).is_empty();
+        beside = beside_disturbance(problem, &found, noise)?;
     }
-    let noise = remainder.complaints(found.rounds.is_empty()).is_empty();
-    if let Some(better) = search_disturbed(problem, &found, noise)? {
-        found = better;
+    if let Some(other) = beside
+        && stands(problem, &found, &other)?
+    {
+        found = other;
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     }
     let sound = remainder.complaints(false).is_empty() && !is_suspect(&found);

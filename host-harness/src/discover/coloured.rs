@@ -1,10 +1,10 @@
-//! The search goes on beside a coloured disturbance, where what it found leaves a model lost.
+//! The search goes on beside a disturbance: one that is correlated in time, or that reversals bring.
 //!
 //! A disturbance state takes what the model misses as it comes, so that parameters are not biased by it and a
 //! linear step can be believed. Every candidate is refitted with the disturbance's own size: what it gains is what
 //! it explains beyond a disturbance without a law. So effects that stood in for others fall, and lines beside them
 //! are seen: forward selection, one effect at a time, and backward elimination. The state also takes a part of slow
-//! laws with it, and so what it shows has to make the log likelier without it too.
+//! laws with it: of a model that was lost without one, what it shows is asked without it too.
 
 use std::borrow::Cow;
 
@@ -44,38 +44,6 @@ const FARTHEST: f64 = 2.0;
 /// Rounds of a short refit.
 const ROUNDS: usize = 3;
 
-/// What a search that goes on beside a coloured disturbance finds, where its effects make the log likelier
-/// without one as well: a disturbance state shows structure, but takes a part of slow laws with it.
-///
-/// # Errors
-/// A model cannot be built.
-pub(super) fn search_coloured(
-    problem: Problem<'_>,
-    found: &Search,
-) -> Result<Option<Search>, BuildError> {
-    if excess(found) <= LOST || interrupt::asked() {
-        return Ok(None);
-    }
-    let mut other = go_on(&problem, found.clone())?;
-    let names = |search: &Search| search.rounds.iter().map(|round| round.name).collect::<Vec<_>>();
-    if names(&other) == names(found) || interrupt::asked() {
-        return Ok(None);
-    }
-    let Stage { fit, origin } = &other.after;
-    let (expected, noise) = (&other.expected, found.after.fit.noise);
-    let near = polish(&problem, origin, &fit.model, &fit.coordinates, expected, &noise)?;
-    other.after.fit = polish_on(&problem, origin, near, expected)?;
-    drop_needless(problem, &mut other, true)?;
-    // A name has to earn what counts, or the simpler model stands.
-    let owed = |search: &Search| cost(&search.after.fit) + LEAST_GAIN * search.rounds.len() as f64;
-    if owed(&other) >= owed(found) {
-        return Ok(None);
-    }
-    let left = |fit: &Fit| disturbance(&problem, fit, &found.expected);
-    let (own, plain) = rayon::join(|| left(&other.after.fit), || left(&found.after.fit));
-    Ok((own? < plain?).then_some(other))
-}
-
 /// What a search finds beside a disturbance that is correlated in time, or that reversals bring, where the log is
 /// likelier with one than the model that was found is: its effects have to earn their place beside that, and
 /// others are looked for. Where what is left is `noise` already, only whether one of its effects falls is asked
@@ -83,7 +51,7 @@ pub(super) fn search_coloured(
 ///
 /// # Errors
 /// A model cannot be built.
-pub(super) fn search_disturbed(
+pub(super) fn beside_disturbance(
     problem: Problem<'_>,
     found: &Search,
     noise: bool,
@@ -94,7 +62,8 @@ pub(super) fn search_disturbed(
     found.bar.set_message("asking whether the joint is disturbed");
     let Stage { fit, .. } = &found.after;
     let disturbance = coloured(&problem, &fit.model, &found.expected, &fit.noise)?;
-    if !disturbance.is_disturbed() {
+    // One that is lost may be so by effects that stand in for a disturbance: it goes on to drop them.
+    if !disturbance.is_disturbed() && excess(found) <= LOST {
         return Ok(None);
     }
     let mut other = found.clone();
@@ -107,8 +76,8 @@ pub(super) fn search_disturbed(
     }
     let Stage { fit, origin } = &found.before;
     other.before = begun(&problem, origin, fit, &found.expected)?;
-    // Of a nominal that is too far off for one no effect can be asked beside it.
-    if !other.before.fit.noise.is_disturbed() {
+    let of_use = other.before.fit.noise.is_disturbed() || excess(found) > LOST;
+    if !of_use {
         return Ok(None);
     }
     if other.rounds.is_empty() {
@@ -124,11 +93,56 @@ pub(super) fn search_disturbed(
             other.after = other.before.clone();
         }
     }
-    // A likelihood beside a disturbance is one of single steps: the model has to run by itself as well.
+    Ok(Some(other))
+}
+
+/// What was found beside a disturbance, refitted without one, where `found` is lost and this makes the log likelier
+/// than it: a disturbance state shows structure, but takes a part of slow laws with it.
+///
+/// # Errors
+/// A model cannot be built.
+pub(super) fn without_disturbance(
+    problem: Problem<'_>,
+    found: &Search,
+    beside: &Search,
+) -> Result<Option<Search>, BuildError> {
+    let names = |search: &Search| search.rounds.iter().map(|round| round.name).collect::<Vec<_>>();
+    if excess(found) <= LOST || names(beside) == names(found) || interrupt::asked() {
+        return Ok(None);
+    }
+    let mut other = Search { before: found.before.clone(), ..beside.clone() };
+    let Stage { fit, origin } = &other.after;
+    let (expected, noise) = (&other.expected, found.after.fit.noise);
+    let near = polish(&problem, origin, &fit.model, &fit.coordinates, expected, &noise)?;
+    other.after.fit = polish_on(&problem, origin, near, expected)?;
+    drop_needless(problem, &mut other, true)?;
+    // A name has to earn what counts, or the simpler model stands.
+    let owed = |search: &Search| cost(&search.after.fit) + LEAST_GAIN * search.rounds.len() as f64;
+    if owed(&other) >= owed(found) {
+        return Ok(None);
+    }
+    let left = |fit: &Fit| disturbance(&problem, fit, &found.expected);
+    let (own, plain) = rayon::join(|| left(&other.after.fit), || left(&found.after.fit));
+    Ok((own? < plain?).then_some(other))
+}
+
+/// Whether what was found beside a disturbance stands: a likelihood beside one is one of single steps, and the model
+/// has to run by itself as well. Of a nominal that is too far off for one no effect can be asked beside it.
+///
+/// # Errors
+/// A model cannot be built.
+pub(super) fn stands(
+    problem: Problem<'_>,
+    found: &Search,
+    beside: &Search,
+) -> Result<bool, BuildError> {
+    if !beside.before.fit.noise.is_disturbed() {
+        return Ok(false);
+    }
     let tested: Vec<bool> = problem.mask.iter().map(|weight| *weight == 0.0).collect();
-    let models = [&found.after.fit, &other.after.fit];
+    let models = [&found.after.fit, &beside.after.fit];
     let runs = FreeRun::of(problem.record, models, &found.expected, &tested)?;
-    Ok((runs.factor() <= FARTHEST).then_some(other))
+    Ok(runs.factor() <= FARTHEST)
 }
 
 /// RMS of the rotor torque that a model misses over the samples fitted to, Nm: a likelihood of many sensors may be
@@ -141,22 +155,6 @@ fn disturbance(problem: &Problem<'_>, fit: &Fit, expected: &Noise) -> Result<f64
     let (sum, count) =
         fitted.fold((0.0, 0.0), |(sum, count), (torque, _)| (sum + torque * torque, count + 1.0));
     Ok(f64::sqrt(sum / f64::max(count, 1.0)))
-}
-
-/// Goes on from what a search without a coloured disturbance has found: its effects are asked again beside one,
-/// and others are looked for.
-fn go_on(problem: &Problem<'_>, mut search: Search) -> Result<Search, BuildError> {
-    let expected = search.expected;
-    search.bar.set_message("fitting again beside a disturbance that is correlated in time");
-    if search.rounds.is_empty() {
-        let Stage { fit, origin } = &search.before;
-        search.after = begun(problem, origin, fit, &expected)?;
-    } else {
-        recoloured(problem, &mut search.after, &expected)?;
-    }
-    eliminate(problem, &mut search)?;
-    grow(problem, &mut search)?;
-    Ok(search)
 }
 
 /// Adds effects until no more is found, and tries to do without each.
@@ -396,7 +394,8 @@ mod tests {
             trial::fitted(&problem, &nominal, &[drag.clone(), cogging::line(12.0, 0.004, false)]);
         let names = [(drag.start.kind, drag.start.location), (Kind::Cogging, Location::Motor)];
         found.rounds.extend(names.map(|name| Round { name, ..trial::round(100.0) }));
-        let other = search_disturbed(problem, &found, false).unwrap().unwrap();
+        let other = beside_disturbance(problem, &found, false).unwrap().unwrap();
+        assert!(stands(problem, &found, &other).unwrap());
         let left: Vec<_> = other.rounds.iter().map(|round| round.name).collect();
         assert_eq!(left, [(Kind::Cogging, Location::Motor)]);
         let [_, own, _] = other.after.fit.noise.coloured;
@@ -407,7 +406,7 @@ mod tests {
         let problem = Problem::new(&plain, &mask).rough();
         let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
         found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.004, false)]);
-        assert!(search_disturbed(problem, &found, false).unwrap().is_none());
+        assert!(beside_disturbance(problem, &found, false).unwrap().is_none());
     }
 
     #[test]
@@ -424,7 +423,8 @@ mod tests {
         let name = (drag.kind, drag.location);
         found.rounds.push(Round { name, ..trial::round(100.0) });
         assert!(excess(&found) > LOST, "{}", excess(&found));
-        let other = search_coloured(problem, &found).unwrap().unwrap();
+        let beside = beside_disturbance(problem, &found, false).unwrap().unwrap();
+        let other = without_disturbance(problem, &found, &beside).unwrap().unwrap();
         let names: Vec<_> = other.rounds.iter().map(|round| round.name).collect();
         assert_eq!(names, [(Kind::Cogging, Location::Motor)]);
         let line = other.after.fit.model.effects[0];
