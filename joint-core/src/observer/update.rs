@@ -8,7 +8,7 @@ use super::adapt::{Adapting, STILL};
 use super::column::{CHANNELS, Column};
 use super::gains::Regime;
 use super::health::Status;
-use super::innovation::{Innovations, bounded};
+use super::innovation::bounded;
 use super::{Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::{Input, State};
@@ -29,12 +29,23 @@ impl<S: Real, const N: usize> Track<S, N> {
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// Takes one sampling instant: moves the estimate to it and corrects it by what was measured.
     pub fn update(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
-        let status = if track.age < FIRST {
-            self.acquire(track, sample)
-        } else {
-            let beside = self.predict(track);
-            self.correct(track, sample, beside)
-        };
+        let mut status = Status::OK;
+        if track.age < self.gains.settled {
+            if track.age < FIRST {
+                let status = self.acquire(track, sample);
+                return self.taken(track, sample, status);
+            }
+            track.age += 1;
+            status = Status::STARTING;
+        }
+        let beside = self.predict(track);
+        let status = self.correct(track, sample, beside, status);
+        self.taken(track, sample, status)
+    }
+
+    /// Keeps what the next update asks of this sample.
+    #[inline(always)]
+    fn taken(&self, track: &mut Track<S, N>, sample: &Sample<S>, status: Status) -> Status {
         let drive = self.joint.input(sample.drive, S::ZERO).drive;
         let known = drive.abs() <= self.gains.most_drive;
         if known {
@@ -64,38 +75,39 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     }
 
     #[inline(always)]
-    fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>, beside: S) -> Status {
-        let Innovations { innovations, status, unmeasured } = self.innovations(track, sample);
-        if status == Status::REPEATED {
-            return self.repeated(track, unmeasured);
-        }
+    fn correct(
+        &self,
+        track: &mut Track<S, N>,
+        sample: &Sample<S>,
+        beside: S,
+        status: Status,
+    ) -> Status {
+        let Some((innovations, status)) = self.innovations(track, sample, status) else {
+            return self.repeated(track, status);
+        };
         let output = N > 0 && track.missing.output < MOST_OUTPUT_COASTED;
         self.detect(track, &innovations, output);
         let held = track.state.rotor.bristle.slipping < S::HALF;
-        let row = self.schedule(track, held, output);
-        let running = [track.state.current, track.state.rotor.speed];
+        let (row, status) = self.schedule(track, held, output, status);
+        let by = Adapting { innovations: &innovations, beside, held, output };
+        let status = self.adapt(track, &by, status);
         if let Some(set) = self.gains.sets.get(row) {
             self.apply(track, set, &innovations);
         }
-        let by = Adapting { innovations: &innovations, running, beside, held, output };
-        let at_bound = self.adapt(track, &by) | self.bound(track);
-        let status = status.with_if(at_bound, Status::BOUNDED);
-        self.judged(track, status, unmeasured, output)
+        let status = self.bound(track, status);
+        self.judged(track, status)
     }
 
     /// What is left out as the sample before once more.
     #[inline(always)]
-    fn repeated(&self, track: &mut Track<S, N>, unmeasured: bool) -> Status {
-        let silent = unmeasured && track.missing.motor > MOST_COASTED;
+    fn repeated(&self, track: &mut Track<S, N>, status: Status) -> Status {
         // The slope of the load goes on.
-        let at_bound = self.bound(track);
+        let status = self.bound(track, status.with(Status::REPEATED));
+        let silent = track.missing.motor > MOST_COASTED;
         if silent {
             self.restart(track);
         }
-        Status::REPEATED
-            .with_if(silent, Status::LOST)
-            .with_if(at_bound, Status::BOUNDED)
-            .with_if(track.age < self.gains.settled, Status::STARTING)
+        status.with_if(silent, Status::LOST)
     }
 
     /// Running means of the innovations, and whether the load has changed: an exponentially weighted
@@ -125,59 +137,63 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         own.varying = if own.alarm_rate > most { hold } else { own.varying.saturating_sub(1) };
     }
 
-    /// The regime and its row of gains.
+    /// The regime, as its row of gains.
     #[inline(always)]
-    fn schedule(&self, track: &mut Track<S, N>, held: bool, output: bool) -> usize {
+    fn schedule(
+        &self,
+        track: &mut Track<S, N>,
+        held: bool,
+        output: bool,
+        status: Status,
+    ) -> (usize, Status) {
         let last = track.state.stages.last();
         let hardened = last.is_some_and(|stage| stage.deflection.abs() > self.gains.hardened);
         let own = &mut track.schedule;
-        own.regime = if held {
-            Regime::Held
-        } else if own.varying > 0 {
-            Regime::Varying
-        } else if own.transient > 0 {
-            Regime::Transient
+        let mut status = status;
+        if held {
+            own.regime = Regime::Held;
+            own.held = own.held.saturating_add(1);
+            if own.held > STILL && !output {
+                own.after_rest = self.gains.settled;
+                status = status.with(Status::UNOBSERVABLE);
+            }
         } else {
-            Regime::Steady
-        };
-        own.held = if held { own.held.saturating_add(1) } else { 0 };
+            own.held = 0;
+            own.regime = if own.varying > 0 {
+                Regime::Varying
+            } else if own.transient > 0 {
+                Regime::Transient
+            } else {
+                Regime::Steady
+            };
+        }
         let row = own.regime.row(output, hardened);
         own.row = row as u8;
-        row
+        (row, status)
     }
 
-    /// Holds load and bias to their bounds; answers whether either was past it.
+    /// Holds load and bias to their bounds.
     #[inline(always)]
-    fn bound(&self, track: &mut Track<S, N>) -> bool {
+    fn bound(&self, track: &mut Track<S, N>, status: Status) -> Status {
         let own = &mut track.disturbance;
-        bounded(&mut own.load, self.gains.most_load) | bounded(&mut own.bias, self.gains.most_bias)
+        let status = bounded(&mut own.load, self.gains.most_load, status);
+        bounded(&mut own.bias, self.gains.most_bias, status)
     }
 
-    /// Health, and a new start where there is no estimate.
+    /// A new start where there is no estimate.
     #[inline(always)]
-    fn judged(
-        &self,
-        track: &mut Track<S, N>,
-        status: Status,
-        unmeasured: bool,
-        output: bool,
-    ) -> Status {
-        let gains = &self.gains;
-        let starting = track.age < gains.settled;
-        if starting {
-            track.age += 1;
+    fn judged(&self, track: &mut Track<S, N>, status: Status) -> Status {
+        let sound = track.state.rotor.speed.abs() <= self.gains.most_speed;
+        let (mut lost, mut status) = (!sound, status);
+        if status.any(Status::GLITCH.with(Status::COASTING)) {
+            let silent = track.missing.motor > MOST_COASTED;
+            lost |= silent || track.missing.rejected > MOST_REJECTED;
+            status = status.with_if(silent, Status::LOST);
         }
-        let status = status
-            .with_if(starting, Status::STARTING)
-            .with_if(track.innovation.square > gains.inconsistent, Status::MISMATCH)
-            .with_if(track.schedule.held > STILL && !output, Status::UNOBSERVABLE);
-        let silent = unmeasured && track.missing.motor > MOST_COASTED;
-        let lost = silent || unmeasured && track.missing.rejected > MOST_REJECTED;
-        let sound = track.state.rotor.speed.abs() <= gains.most_speed;
-        if lost || !sound {
+        if lost {
             self.restart(track);
         }
-        status.with_if(silent, Status::LOST)
+        status
     }
 
     /// Adds the gains times the innovations, and to the forces that the step keeps what follows from
