@@ -9,7 +9,7 @@
 use core::hint::cold_path;
 
 use super::column::CHANNELS;
-use super::gains::{Deceleration, Regime};
+use super::gains::{Deceleration, Regime, of_sensors};
 use super::innovation::{bounded, limited};
 use super::{Observer, Schedule, Status, Track};
 use crate::effect::Effects;
@@ -47,25 +47,23 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         let taken = takes(&gains.deceleration, rotor);
         rotor.speed = rotor.speed - error * taken;
-        let [without, with] = gains.mean_deceleration;
         let output = Regime::has_output(usize::from(track.schedule.row));
+        let share = of_sensors(&gains.mean_deceleration, output);
         let beside = taken - track.mean_deceleration;
-        track.mean_deceleration =
-            track.mean_deceleration + beside.times(if output { with } else { without });
+        track.mean_deceleration = track.mean_deceleration + beside.times(*share);
         beside
     }
 
-    /// Half of what is slow, the other half at the next sample; nothing of a drive that does not do as
+    /// Half of what is slow, friction or else winding and magnets; nothing of a drive that does not do as
     /// it is told. Current and speed are those that are not yet corrected.
     #[inline(always)]
     pub(super) fn adapt(
         &self,
         track: &mut Track<S, N>,
+        friction: bool,
         by: &Adapting<'_, S>,
         status: Status,
     ) -> Status {
-        let friction = track.adapts_friction;
-        track.adapts_friction = !friction;
         let mut status = status;
         if track.innovation.square > self.gains.inconsistent {
             cold_path();
@@ -107,8 +105,8 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             return status;
         }
         let gains = &self.gains;
-        let ([without, with], [gain, gain_output]) = (&gains.friction_projection, &gains.level);
-        let ([motor, output], gain) = if by.output { (with, gain_output) } else { (without, gain) };
+        let [motor, output] = of_sensors(&gains.friction_projection, by.output);
+        let gain = of_sensors(&gains.level, by.output);
         let [_, by_motor, by_output] = by.innovations;
         let torque = S::weighed_sum([(*by_motor, motor), (*by_output, output)]);
         let torque = limited(torque, gains.most_friction_projection);
@@ -121,6 +119,6 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     fn rested(&self, schedule: &mut Schedule<S>) -> bool {
         schedule.after_rest = schedule.after_rest.saturating_sub(2);
-        schedule.after_rest > 0 || schedule.regime != Regime::Steady
+        schedule.after_rest > 0 || Regime::of_row(schedule.row) != Regime::Steady as usize
     }
 }

@@ -6,11 +6,12 @@
 
 use core::hint::cold_path;
 
+use super::acquire::MOST_OUTPUT_COASTED;
 use super::column::CHANNELS;
 use super::gains::{Gains, Whiten};
 use super::health::Status;
 use super::turn::Turn;
-use super::{Observer, Sample, Track};
+use super::{Missing, Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::State;
 use crate::scalar::Real;
@@ -19,16 +20,24 @@ use crate::scalar::Real;
 /// moves has dozens.
 const OUTLIERS: u16 = 64;
 
+/// What a sample shows beside the estimate.
+pub(super) struct Seen<S> {
+    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none.
+    pub(super) innovations: [S; CHANNELS],
+    /// Whether the output encoder is there.
+    pub(super) output: bool,
+    pub(super) status: Status,
+}
+
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
-    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none, and the flags that
-    /// go with them; `None` where the sample is the last one once more.
+    /// The innovations and the flags that go with them; `None` where the sample is the last one once more.
     #[inline(always)]
     pub(super) fn innovations(
         &self,
         track: &mut Track<S, N>,
         sample: &Sample<S>,
         status: Status,
-    ) -> Option<([S; CHANNELS], Status)> {
+    ) -> Option<Seen<S>> {
         let gains = &self.gains;
         let [by_current, by_motor, by_output] = &gains.whiten;
         let mut status = status;
@@ -56,6 +65,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             track.missing.motor = track.missing.motor.saturating_add(1);
         }
 
+        let mut output_there = N > 0;
         if let Some(turn) = sample.output
             && N > 0
         {
@@ -66,10 +76,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 track.missing.output = 0;
             } else {
                 status = status.with(Status::GLITCH);
-                track.missing.output = track.missing.output.saturating_add(1);
+                output_there = track.missing.misses_output();
             }
-        } else {
-            track.missing.output = track.missing.output.saturating_add(1);
+        } else if N > 0 {
+            output_there = track.missing.misses_output();
         }
 
         if !self.joint.current_imposed {
@@ -90,7 +100,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             }
         }
 
-        Some(([current, motor, output], status))
+        Some(Seen { innovations: [current, motor, output], output: output_there, status })
     }
 
     /// A current that is off by more than the design has it: what there is to correct by.
@@ -131,6 +141,15 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     #[inline(always)]
     pub(super) fn undisturbed(&self, track: &Track<S, N>) -> bool {
         track.innovation.square + track.innovation.square <= self.gains.most_mean_square
+    }
+}
+
+impl Missing {
+    /// Counts an output angle that is missing; answers whether it has been there a short time ago.
+    #[inline(always)]
+    fn misses_output(&mut self) -> bool {
+        self.output = self.output.saturating_add(1);
+        self.output < MOST_OUTPUT_COASTED
     }
 }
 
