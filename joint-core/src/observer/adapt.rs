@@ -9,7 +9,7 @@
 use core::hint::cold_path;
 
 use super::column::CHANNELS;
-use super::gains::{Deceleration, Regime, of_sensors};
+use super::gains::{Deceleration, Regime, WITH_OUTPUT, of_sensors};
 use super::innovation::{bounded, limited};
 use super::{Observer, Schedule, Status, Track};
 use crate::effect::Effects;
@@ -25,7 +25,8 @@ pub(super) struct Adapting<'a, S> {
     /// What friction takes of the rotor's speed beside its running mean.
     pub(super) beside: S,
     pub(super) held: bool,
-    pub(super) output: bool,
+    /// Zero or [`WITH_OUTPUT`].
+    pub(super) sensors: usize,
 }
 
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
@@ -47,8 +48,8 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         let taken = takes(&gains.deceleration, rotor);
         rotor.speed = rotor.speed - error * taken;
-        let output = Regime::has_output(usize::from(track.schedule.row));
-        let share = of_sensors(&gains.mean_deceleration, output);
+        let sensors = usize::from(Regime::has_output(usize::from(track.schedule.row)));
+        let share = of_sensors(&gains.mean_deceleration, sensors);
         let beside = taken - track.mean_deceleration;
         track.mean_deceleration = track.mean_deceleration + beside.times(*share);
         beside
@@ -101,12 +102,12 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         by: &Adapting<'_, S>,
         status: Status,
     ) -> Status {
-        if by.held || !by.output && self.rested(&mut track.schedule) {
+        if by.held || by.sensors != WITH_OUTPUT && self.rested(&mut track.schedule) {
             return status;
         }
         let gains = &self.gains;
-        let [motor, output] = of_sensors(&gains.friction_projection, by.output);
-        let gain = of_sensors(&gains.level, by.output);
+        let [motor, output] = of_sensors(&gains.friction_projection, by.sensors);
+        let gain = of_sensors(&gains.level, by.sensors);
         let [_, by_motor, by_output] = by.innovations;
         let torque = S::weighed_sum([(*by_motor, motor), (*by_output, output)]);
         let torque = limited(torque, gains.most_friction_projection);

@@ -46,16 +46,25 @@ impl Regime {
     /// The set of gains, or row of standard deviations, that belongs to it.
     #[inline(always)]
     pub const fn row(self, output: bool, hardened: bool) -> usize {
-        self as usize + Self::COUNT * output as usize + 2 * Self::COUNT * hardened as usize
+        self.row_of(output as usize, hardened)
+    }
+
+    /// The same for the place of the sensors' constants.
+    #[inline(always)]
+    pub(crate) const fn row_of(self, sensors: usize, hardened: bool) -> usize {
+        self as usize + Self::COUNT * sensors + 2 * Self::COUNT * hardened as usize
     }
 }
 
-/// Of constants without an output encoder and with one, those that are in use: by their place, which a
-/// compiler finds with fewer instructions than a choice.
+/// Place of constants that go with an output encoder, after those that go with none: a place takes fewer
+/// instructions than a choice.
+pub(crate) const WITH_OUTPUT: usize = 1;
+
+/// The constants of sensors that are in use, by their place.
 #[inline(always)]
-pub(crate) fn of_sensors<T>(constants: &[T; 2], output: bool) -> &T {
+pub(crate) fn of_sensors<T>(constants: &[T; 2], sensors: usize) -> &T {
     let [without, _] = constants;
-    constants.get(usize::from(output)).unwrap_or(without)
+    constants.get(sensors).unwrap_or(without)
 }
 
 /// One standard deviation of everything that is estimated, each at its own side.

@@ -8,7 +8,7 @@ use core::hint::cold_path;
 
 use super::acquire::MOST_OUTPUT_COASTED;
 use super::column::CHANNELS;
-use super::gains::{Gains, Whiten};
+use super::gains::{Gains, WITH_OUTPUT, Whiten};
 use super::health::Status;
 use super::turn::Turn;
 use super::{Missing, Observer, Sample, Track};
@@ -24,8 +24,8 @@ const OUTLIERS: u16 = 64;
 pub(super) struct Seen<S> {
     /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none.
     pub(super) innovations: [S; CHANNELS],
-    /// Whether the output encoder is there.
-    pub(super) output: bool,
+    /// [`WITH_OUTPUT`] where that encoder is there, else zero.
+    pub(super) sensors: usize,
     pub(super) status: Status,
 }
 
@@ -65,7 +65,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             track.missing.motor = track.missing.motor.saturating_add(1);
         }
 
-        let mut output_there = N > 0;
+        let mut sensors = if N > 0 { WITH_OUTPUT } else { 0 };
         if let Some(turn) = sample.output
             && N > 0
         {
@@ -76,10 +76,10 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 track.missing.output = 0;
             } else {
                 status = status.with(Status::GLITCH);
-                output_there = track.missing.misses_output();
+                sensors = track.missing.misses_output();
             }
         } else if N > 0 {
-            output_there = track.missing.misses_output();
+            sensors = track.missing.misses_output();
         }
 
         if !self.joint.current_imposed {
@@ -100,7 +100,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             }
         }
 
-        Some(Seen { innovations: [current, motor, output], output: output_there, status })
+        Some(Seen { innovations: [current, motor, output], sensors, status })
     }
 
     /// A current that is off by more than the design has it: what there is to correct by.
@@ -145,11 +145,12 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
 }
 
 impl Missing {
-    /// Counts an output angle that is missing; answers whether it has been there a short time ago.
+    /// Counts an output angle that is missing; answers with the sensors that have been there a short time
+    /// ago.
     #[inline(always)]
-    fn misses_output(&mut self) -> bool {
+    fn misses_output(&mut self) -> usize {
         self.output = self.output.saturating_add(1);
-        self.output < MOST_OUTPUT_COASTED
+        if self.output < MOST_OUTPUT_COASTED { WITH_OUTPUT } else { 0 }
     }
 }
 

@@ -8,7 +8,7 @@ use core::hint::cold_path;
 use super::acquire::FIRST;
 use super::adapt::{Adapting, STILL};
 use super::column::{CHANNELS, Column};
-use super::gains::{Regime, of_sensors};
+use super::gains::{Regime, WITH_OUTPUT, of_sensors};
 use super::health::Status;
 use super::innovation::{Seen, bounded};
 use super::{Observer, Sample, Track};
@@ -31,24 +31,12 @@ impl<S: Real, const N: usize> Track<S, N> {
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// Takes one sampling instant: moves the estimate to it and corrects it by what was measured.
     pub fn update(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
-        let mut status = Status::OK;
-        if track.starting > 0 {
-            cold_path();
-            if track.first < FIRST {
-                let status = self.acquire(track, sample);
-                return self.taken(track, sample, status);
-            }
-            track.starting -= 1;
-            status = Status::STARTING;
-        }
-        let beside = self.predict(track);
-        let status = self.correct(track, sample, beside, status);
-        self.taken(track, sample, status)
-    }
-
-    /// Keeps what the next update asks of this sample.
-    #[inline(always)]
-    fn taken(&self, track: &mut Track<S, N>, sample: &Sample<S>, status: Status) -> Status {
+        let status = if track.first < FIRST {
+            self.acquire(track, sample)
+        } else {
+            let beside = self.predict(track);
+            self.correct(track, sample, beside)
+        };
         let drive = self.joint.input(sample.drive, S::ZERO).drive;
         let known = drive.abs() <= self.gains.most_drive;
         if known {
@@ -78,20 +66,19 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     }
 
     #[inline(always)]
-    fn correct(
-        &self,
-        track: &mut Track<S, N>,
-        sample: &Sample<S>,
-        beside: S,
-        status: Status,
-    ) -> Status {
+    fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>, beside: S) -> Status {
+        let mut status = Status::OK;
+        if track.starting > 0 {
+            track.starting -= 1;
+            status = Status::STARTING;
+        }
         let Some(seen) = self.innovations(track, sample, status) else {
             return self.repeated(track, status);
         };
-        let Seen { innovations, output, status } = seen;
-        let regime = self.detect(track, &innovations, output);
+        let Seen { innovations, sensors, status } = seen;
+        let regime = self.detect(track, &innovations, sensors);
         let held = track.state.rotor.bristle.slipping < S::HALF;
-        let (row, mut status) = self.schedule(track, regime, held, output, status);
+        let (row, mut status) = self.schedule(track, regime, held, sensors, status);
         let friction = track.adapts_friction;
         track.adapts_friction = !friction;
         if status.any(Status::GLITCH.with(Status::COASTING)) {
@@ -102,7 +89,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                 return status.with_if(silent, Status::LOST);
             }
         } else {
-            let by = Adapting { innovations: &innovations, beside, held, output };
+            let by = Adapting { innovations: &innovations, beside, held, sensors };
             status = self.adapt(track, friction, &by, status);
         }
         if let Some(set) = self.gains.sets.get(row) {
@@ -132,9 +119,14 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// Running means of the innovations, and whether the load has changed: an exponentially weighted
     /// mean of their projection on it has left its noise.
     #[inline(always)]
-    fn detect(&self, track: &mut Track<S, N>, innovations: &[S; CHANNELS], output: bool) -> Regime {
+    fn detect(
+        &self,
+        track: &mut Track<S, N>,
+        innovations: &[S; CHANNELS],
+        sensors: usize,
+    ) -> Regime {
         let gains = &self.gains;
-        let [a, b, c] = of_sensors(&gains.projection, output);
+        let [a, b, c] = of_sensors(&gains.projection, sensors);
         let [by_current, by_motor, by_output] = *innovations;
         let projection = S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]);
         let square = by_current * by_current + by_motor * by_motor + by_output * by_output;
@@ -175,7 +167,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         track: &mut Track<S, N>,
         regime: Regime,
         held: bool,
-        output: bool,
+        sensors: usize,
         status: Status,
     ) -> (usize, Status) {
         let last = track.state.stages.last();
@@ -185,15 +177,16 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let mut regime = regime;
         if held {
             regime = Regime::Held;
-            own.held = own.held.saturating_add(1);
-            if own.held > STILL && !output {
+            if own.held < STILL {
+                own.held += 1;
+            } else if sensors != WITH_OUTPUT {
                 own.after_rest = self.gains.settled;
                 status = status.with(Status::UNOBSERVABLE);
             }
         } else {
             own.held = 0;
         }
-        let row = regime.row(output, hardened);
+        let row = regime.row_of(sensors, hardened);
         own.row = row as u8;
         (row, status)
     }
