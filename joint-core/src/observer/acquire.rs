@@ -14,7 +14,7 @@ use crate::scalar::Real;
 /// Samples without an output angle after which the gains are those without that encoder.
 pub(super) const MOST_OUTPUT_COASTED: u16 = 3;
 /// Steps over which the first speed is measured where one step is too short for it.
-pub(super) const FIRST: u16 = 8;
+pub(super) const FIRST: u8 = 8;
 
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// An observer that knows nothing yet but the rotor's whole turns since both encoders were
@@ -33,7 +33,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             missing: Missing { output: MOST_OUTPUT_COASTED, ..Missing::default() },
             electrical: Electrical::default(),
             first: 0,
-            starting: self.gains.settled.saturating_sub(FIRST).max(1),
+            starting: self.gains.settled.saturating_sub(u16::from(FIRST)).max(1),
             adapts_friction: false,
             last: Sample::default(),
             status: Status::LOST,

@@ -92,7 +92,7 @@ pub struct Track<S: Real, const N: usize> {
     missing: Missing,
     electrical: Electrical,
     /// Samples of the first angle and speed, up to [`acquire::FIRST`].
-    first: u16,
+    first: u8,
     /// Samples left of a start.
     starting: u16,
     /// Whether this sample adapts friction, else winding and magnets.

@@ -11,7 +11,7 @@ use super::column::{CHANNELS, Column};
 use super::gains::{Regime, WITH_OUTPUT, of_sensors};
 use super::health::Status;
 use super::innovation::{Seen, bounded};
-use super::{Observer, Sample, Track};
+use super::{Missing, Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::{Input, State};
 use crate::scalar::Real;
@@ -81,14 +81,18 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let (row, mut status) = self.schedule(track, regime, held, sensors, status);
         let friction = track.adapts_friction;
         track.adapts_friction = !friction;
+        let mut teaches = true;
         if status.any(Status::GLITCH.with(Status::COASTING)) {
             cold_path();
-            let silent = track.missing.motor > MOST_COASTED;
-            if silent || track.missing.rejected > MOST_REJECTED {
+            let Missing { motor, rejected, .. } = track.missing;
+            let silent = motor > MOST_COASTED;
+            if silent || rejected > MOST_REJECTED {
                 self.restart(track);
                 return status.with_if(silent, Status::LOST);
             }
-        } else {
+            teaches = motor == 0 && rejected == 0;
+        }
+        if teaches {
             let by = Adapting { innovations: &innovations, beside, held, sensors };
             status = self.adapt(track, friction, &by, status);
         }
