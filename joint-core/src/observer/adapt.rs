@@ -66,7 +66,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         status: Status,
     ) -> Status {
         let mut status = status;
-        if track.innovation.square > self.gains.inconsistent {
+        if self.mismatches(track) {
             cold_path();
             status = status.with(Status::MISMATCH);
             if !self.undisturbed(track) && track.electrical.confirmed >= self.gains.confirmed {
@@ -78,6 +78,12 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         } else {
             self.adapt_motor(track, by, status)
         }
+    }
+
+    /// Whether the innovations stay too large for the design.
+    #[inline(always)]
+    pub(super) fn mismatches(&self, track: &Track<S, N>) -> bool {
+        track.innovation.square > self.gains.inconsistent
     }
 
     #[inline(always)]

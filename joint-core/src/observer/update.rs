@@ -92,10 +92,12 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             }
             teaches = motor == 0 && rejected == 0;
         }
-        if teaches {
+        status = if teaches {
             let by = Adapting { innovations: &innovations, beside, held, sensors };
-            status = self.adapt(track, friction, &by, status);
-        }
+            self.adapt(track, friction, &by, status)
+        } else {
+            status.with_if(self.mismatches(track), Status::MISMATCH)
+        };
         if let Some(set) = self.gains.sets.get(row) {
             self.apply(track, set, &innovations);
         }
