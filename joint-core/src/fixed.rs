@@ -355,6 +355,10 @@ impl Sums for Fixed {
         terms.last().map_or(Self::ZERO, |(_, gain)| gain.summed(sum))
     }
     #[inline(always)]
+    fn corrected<const K: usize>(self, terms: [(Fixed, &Gain); K]) -> Fixed {
+        self + Self::weighed_sum(terms)
+    }
+    #[inline(always)]
     fn gained(plus: [(Fixed, &Gain); 3], minus: (Fixed, &Gain)) -> Fixed {
         minus.1.summed(difference(plus, minus))
     }

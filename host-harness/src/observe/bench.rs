@@ -104,6 +104,8 @@ pub struct Case {
     pub right: f64,
     /// and the scores of the baselines that apply.
     pub baselines: Vec<(Baseline, Score)>,
+    /// The observer's score on a motion that its model made itself, where the joint's is not known.
+    pub exact: Option<Score>,
     /// What a filter that knows the joint could reach at best, where the model is right.
     pub bounds: Option<Bounds>,
     /// The observer's estimates over the truth, where the model is right.
@@ -163,10 +165,14 @@ pub fn judge(
         .then(|| super::plot::plot(joint, step_s, judged.truth, &found, &sigma));
     let right = observer.load;
     let joint = joint.to_owned();
-    Ok(Case { joint, error, output, observer, right, baselines, bounds: None, plot })
+    Ok(Case { joint, error, output, observer, right, baselines, exact: None, bounds: None, plot })
 }
 
-fn observed<const N: usize>(
+/// The observer on samples: its score, its estimates and its standard deviations.
+///
+/// # Errors
+/// The model cannot be observed.
+pub fn observed<const N: usize>(
     model: &Model,
     rating: &Rating,
     samples: &Samples,

@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 
 use joint_core::per_unit::Bases;
 
-use super::bench::{Case, Error, judge};
+use super::bench::{Case, Error, judge, observed, truths as truths_of};
 use super::bound::{Bounds, Known, bounds};
 use super::design::{breakaway_nm, drive_noise};
+use super::judge::shown;
 use super::over::Samples;
 use super::rating::Rating;
-use super::score::{Guess, Judged, jumps};
+use super::score::{Guess, Judged, Score, jumps};
 use super::twin::{Felt, Motion, Style};
 use crate::estimate::fit::Problem;
 use crate::estimate::record::Record;
@@ -88,27 +89,28 @@ pub fn case(folder: &Path) -> Result<Vec<Case>, InputError> {
                 .map_err(unbuilt)?;
             let case = judge(&joint, Style::Duty, error, &model, &rating, &samples, &judged);
             let case = case.map_err(unbuilt)?;
-            let bounds = if error == Error::None {
+            let (exact, bounds) = if error == Error::None {
                 right = case.observer.load;
-                Some(bounds_of(&model, &rating, &samples, &loads, output).map_err(unbuilt)?)
+                let made = exactly(&model, &rating, &samples, &loads, output).map_err(unbuilt)?;
+                (Some(made.0), Some(made.1))
             } else {
-                None
+                (None, None)
             };
-            cases.push(Case { right, bounds, ..case });
+            cases.push(Case { right, exact, bounds, ..case });
         }
     }
     Ok(cases)
 }
 
-/// What a filter with the refitted model could reach at best: along the motion that this model makes
-/// under the log's drive and its true load, whose states no file tells.
-fn bounds_of(
+/// What the observer reaches where the refitted model is exact, and what any filter could at best: along
+/// the motion that this model makes under the log's drive and its true load.
+fn exactly(
     model: &Model,
     rating: &Rating,
     samples: &Samples,
     loads: &[f64],
     output: bool,
-) -> Result<Bounds, BuildError> {
+) -> Result<(Score, Bounds), BuildError> {
     let (kind, step_s) = (samples.kind, samples.step_s);
     let felt =
         Felt { drive: drive_noise(model, kind, rating, 1e-3), torque: 0.01 * breakaway_nm(model) };
@@ -128,7 +130,15 @@ fn bounds_of(
         held
     });
     let motion = made.under(drive.collect(), loads.to_vec())?;
-    bounds(&Known { truth: model, kind, step_s, rating, motion: &motion, felt, output })
+    let seen = shown(model, kind, &motion, output, made.seed + 1);
+    let shown = Samples { kind, step_s, steps: vec![1; seen.len()], seen };
+    let rows = truths_of(model, &motion);
+    let shaft = Bases::si(&model.motor, &model.stages).shaft(model.stages.len());
+    let judged = Judged { truth: &rows, jumps: &motion.jumps, step_s, shaft };
+    let (score, _) =
+        by_stages!(model.stages.len(), N => observed::<N>(model, rating, &shown, &judged))?;
+    let known = Known { truth: model, kind, step_s, rating, motion: &motion, felt, output };
+    Ok((score, bounds(&known)?))
 }
 
 /// The truth of a case: load, wind-up and friction by sample.

@@ -21,7 +21,8 @@ use crate::output::OutDir;
 /// `log.csv` and its `truth.csv` is a case; the model is refitted on the calibration first. Else on
 /// joints drawn at random. The observer (f32) and every baseline are given the same model, right and
 /// wrong in one way after the other, and the same samples, with and without output encoder. Where the
-/// model is right, two rows and a column say what the best linear filter could reach. Writes
+/// model is right, two rows and a column say what the best linear filter could reach, and on logs a third
+/// row what the observer does where the refitted model is exact. Writes
 /// `observe-bench.json`, and of logs the estimates over the truth as `NAME-SENSORS.svg`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
@@ -93,6 +94,7 @@ fn case(case: &Case) -> Value {
         "model_error": case.error.name(),
         "output_encoder": case.output,
         "observer": score(&case.observer),
+        "observer_exact_model": case.exact.as_ref().map(score),
         "bound": case.bounds.map(|bounds| bound(&bounds.told)),
         "full_filter": case.bounds.map(|bounds| bound(&bounds.filter)),
         "load_rms_of_peak_with_the_right_model": case.right,
@@ -130,6 +132,7 @@ fn bound(bound: &Bound) -> Value {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Row {
     Observer,
+    Exact,
     Bound,
     FullFilter,
     Baseline(Baseline),
@@ -139,6 +142,7 @@ impl Row {
     fn name(self) -> &'static str {
         match self {
             Self::Observer => "observer",
+            Self::Exact => "observer, exact model",
             Self::Bound => "bound, told of the jumps",
             Self::FullFilter => "full filter, best noise",
             Self::Baseline(baseline) => baseline.name(),
@@ -177,6 +181,9 @@ fn table(cases: &[Case]) -> String {
         let right = case.observer.load / case.right;
         let bound = case.bounds.map_or(f64::NAN, |bounds| bounds.told.load);
         put(Row::Observer, Shown { score: case.observer, right, bound });
+        if let Some(exact) = case.exact {
+            put(Row::Exact, Shown::of(exact));
+        }
         if let Some(bounds) = &case.bounds {
             put(Row::Bound, Shown::bound(&bounds.told));
             put(Row::FullFilter, Shown::bound(&bounds.filter));

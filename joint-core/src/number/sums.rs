@@ -23,6 +23,13 @@ pub trait Sums: Number {
         products.reduce(|sum, product| sum + product).unwrap_or(Self::ZERO)
     }
 
+    /// The number with a sum of products more; floats add one after the other, since rounding takes no
+    /// more than a share of each sum.
+    #[inline(always)]
+    fn corrected<const K: usize>(self, terms: [(Self, &Self::Gain); K]) -> Self {
+        terms.iter().fold(self, |sum, (value, gain)| sum + value.times(**gain))
+    }
+
     /// What a kick makes of a speed: three products less one.
     #[inline(always)]
     fn gained(plus: [(Self, &Self::Gain); 3], minus: (Self, &Self::Gain)) -> Self {

@@ -14,7 +14,7 @@ use crate::scalar::Real;
 /// Samples without an output angle after which the gains are those without that encoder.
 pub(super) const MOST_OUTPUT_COASTED: u16 = 3;
 /// Steps over which the first speed is measured where one step is too short for it.
-pub(super) const FIRST: u16 = 8;
+pub(super) const FIRST: u8 = 8;
 
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// An observer that knows nothing yet but the rotor's whole turns since both encoders were
@@ -32,7 +32,8 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             schedule: Schedule::default(),
             missing: Missing { output: MOST_OUTPUT_COASTED, ..Missing::default() },
             electrical: Electrical::default(),
-            age: 0,
+            first: 0,
+            starting: self.gains.settled.saturating_sub(u16::from(FIRST)).max(1),
             adapts_friction: false,
             last: Sample::default(),
             status: Status::LOST,
@@ -62,29 +63,29 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     pub(super) fn acquire(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
         let status = Status::LOST.with(Status::STARTING);
         let Some(turn) = sample.motor else {
-            track.age = 0;
+            track.first = 0;
             return status.with(Status::COASTING);
         };
         let moved = motor_ahead(&self.joint.effects, &track.state, turn);
-        if track.age == 0 {
+        if track.first == 0 {
             track.state.angle.part = S::ZERO;
             let here = S::from_turn_counts(turn.0 as i32);
             track.state.angle.advance(here);
-            track.age = 1;
+            track.first = 1;
             return status;
         }
         let [_, motor, _] = &self.gains.whiten;
-        let last = track.age == 1;
+        let last = track.first == 1;
         let eighth = S::HALF * S::HALF * S::HALF;
         // Eight standard deviations in a step: its speed is measured over that step alone.
         let fast = moved.times(motor.per_sigma).abs() > eighth;
-        if !(last && fast) && track.age + 1 < FIRST {
-            track.age += 1;
+        if !(last && fast) && track.first + 1 < FIRST {
+            track.first += 1;
             return status;
         }
         let speed = if last && fast { moved } else { moved * eighth }.times(self.gains.per_turn);
         if speed.abs() > self.gains.most_speed {
-            track.age = 0;
+            track.first = 0;
             return status.with(Status::GLITCH);
         }
         let state = &mut track.state;
@@ -105,7 +106,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         }
         self.joint.refresh(state);
         track.schedule.transient = self.gains.hold;
-        track.age = FIRST;
+        track.first = FIRST;
         Status::STARTING
     }
 }

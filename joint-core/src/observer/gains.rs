@@ -37,13 +37,34 @@ impl Regime {
         (row / Self::COUNT) % 2 == 1
     }
 
+    /// The number of the regime that a row is of.
+    #[inline(always)]
+    pub(crate) const fn of_row(row: u8) -> usize {
+        row as usize % Self::COUNT
+    }
+
     /// The set of gains, or row of standard deviations, that belongs to it.
     #[inline(always)]
     pub const fn row(self, output: bool, hardened: bool) -> usize {
-        self as usize
-            + if output { Self::COUNT } else { 0 }
-            + if hardened { 2 * Self::COUNT } else { 0 }
+        self.row_of(output as usize, hardened)
     }
+
+    /// The same for the place of the sensors' constants.
+    #[inline(always)]
+    pub(crate) const fn row_of(self, sensors: usize, hardened: bool) -> usize {
+        self as usize + Self::COUNT * sensors + 2 * Self::COUNT * hardened as usize
+    }
+}
+
+/// Place of constants that go with an output encoder, after those that go with none: a place takes fewer
+/// instructions than a choice.
+pub(crate) const WITH_OUTPUT: usize = 1;
+
+/// The constants of sensors that are in use, by their place.
+#[inline(always)]
+pub(crate) fn of_sensors<T>(constants: &[T; 2], sensors: usize) -> &T {
+    let [without, _] = constants;
+    constants.get(sensors).unwrap_or(without)
 }
 
 /// One standard deviation of everything that is estimated, each at its own side.

@@ -51,6 +51,12 @@ impl Status {
         self.0 & flags.0 == flags.0
     }
 
+    /// Whether any of these flags is set.
+    #[inline(always)]
+    pub const fn any(self, flags: Status) -> bool {
+        self.0 & flags.0 != 0
+    }
+
     /// With these flags set.
     #[inline(always)]
     #[must_use]

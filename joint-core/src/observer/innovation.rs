@@ -4,11 +4,14 @@
 //! and supplies that dip. What is no measurement is flagged and gives no innovation; a voltage that was
 //! not the one asked for is estimated at once.
 
+use core::hint::cold_path;
+
+use super::acquire::MOST_OUTPUT_COASTED;
 use super::column::CHANNELS;
-use super::gains::{Gains, Whiten};
+use super::gains::{Gains, WITH_OUTPUT, Whiten};
 use super::health::Status;
 use super::turn::Turn;
-use super::{Observer, Sample, Track};
+use super::{Missing, Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::State;
 use crate::scalar::Real;
@@ -18,70 +21,65 @@ use crate::scalar::Real;
 const OUTLIERS: u16 = 64;
 
 /// What a sample shows beside the estimate.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Innovations<S> {
+pub(super) struct Seen<S> {
+    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none.
     pub(super) innovations: [S; CHANNELS],
+    /// [`WITH_OUTPUT`] where that encoder is there, else zero.
+    pub(super) sensors: usize,
     pub(super) status: Status,
-    /// Whether no rotor angle was accepted.
-    pub(super) unmeasured: bool,
 }
 
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
-    /// Innovations in units of [`SIGMAS`](super::gains::SIGMAS), zero where there is none; and the flags that
-    /// go with them.
+    /// The innovations and the flags that go with them; `None` where the sample is the last one once more.
     #[inline(always)]
     pub(super) fn innovations(
         &self,
         track: &mut Track<S, N>,
         sample: &Sample<S>,
-    ) -> Innovations<S> {
+        status: Status,
+    ) -> Option<Seen<S>> {
         let gains = &self.gains;
         let [by_current, by_motor, by_output] = &gains.whiten;
-        let mut status = Status::OK;
-        let mut unmeasured = true;
-        let mut innovations = [S::ZERO; CHANNELS];
-        let [current, motor, output] = &mut innovations;
+        let mut status = status;
+        let [mut current, mut motor, mut output] = [S::ZERO; CHANNELS];
 
-        let ahead = sample.motor.map(|turn| motor_ahead(&self.joint.effects, &track.state, turn));
-        match ahead {
-            Some(ahead) if ahead.abs() <= by_motor.gate => {
-                *motor = ahead.times(by_motor.per_sigma);
+        if let Some(turn) = sample.motor {
+            let ahead = motor_ahead(&self.joint.effects, &track.state, turn);
+            let deviation = ahead.times(by_motor.per_sigma);
+            // Four standard deviations.
+            let near = deviation.abs() <= S::HALF.eighth();
+            if !near && repeats(sample, &track.last) {
+                track.missing.motor = track.missing.motor.saturating_add(1);
+                return None;
+            }
+            if near || ahead.abs() <= by_motor.gate {
+                motor = deviation;
                 track.missing.motor = 0;
                 track.missing.rejected = 0;
-                unmeasured = false;
-            }
-            Some(_) if repeats(sample, &track.last) => {
-                track.missing.motor = track.missing.motor.saturating_add(1);
-                return Innovations {
-                    status: Status::REPEATED,
-                    unmeasured: true,
-                    ..Innovations::default()
-                };
-            }
-            Some(_) => {
+            } else {
                 status = status.with(Status::GLITCH);
                 track.missing.rejected = track.missing.rejected.saturating_add(1);
             }
-            None => {
-                status = status.with(Status::COASTING);
-                track.missing.motor = track.missing.motor.saturating_add(1);
-            }
+        } else {
+            status = status.with(Status::COASTING);
+            track.missing.motor = track.missing.motor.saturating_add(1);
         }
 
+        let mut sensors = if N > 0 { WITH_OUTPUT } else { 0 };
         if let Some(turn) = sample.output
             && N > 0
         {
             let ahead =
                 output_ahead(&self.joint.effects, gains, self.joint.turns, &track.state, turn);
             if ahead.abs() <= by_output.gate {
-                *output = ahead.times(by_output.per_sigma);
+                output = ahead.times(by_output.per_sigma);
                 track.missing.output = 0;
             } else {
                 status = status.with(Status::GLITCH);
-                track.missing.output = track.missing.output.saturating_add(1);
+                sensors = track.missing.misses_output();
             }
-        } else {
-            track.missing.output = track.missing.output.saturating_add(1);
+        } else if N > 0 {
+            sensors = track.missing.misses_output();
         }
 
         if !self.joint.current_imposed {
@@ -96,18 +94,13 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
                         true => self.electrical_outlier(track, ahead),
                         false => ahead,
                     };
-                    *current = ahead.times(by_current.per_sigma);
+                    current = ahead.times(by_current.per_sigma);
                 }
                 _ => status = status.with(Status::NO_CURRENT),
             }
         }
 
-        // Four standard deviations.
-        let eighth = S::HALF * S::HALF * S::HALF;
-        if motor.abs() > eighth * S::HALF && repeats(sample, &track.last) {
-            return Innovations { status: Status::REPEATED, ..Innovations::default() };
-        }
-        Innovations { innovations, status, unmeasured }
+        Some(Seen { innovations: [current, motor, output], sensors, status })
     }
 
     /// A current that is off by more than the design has it: what there is to correct by.
@@ -124,7 +117,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             track.electrical.confirmed.saturating_sub(gains.confirmed / OUTLIERS + 1);
         if track.electrical.confirmed < gains.confirmed {
             let [Whiten { gate, .. }, ..] = gains.whiten;
-            return if ahead.abs() > gate { at_bound(ahead, gate) } else { ahead };
+            return limited(ahead, gate);
         }
         let undisturbed = self.undisturbed(track);
         track.innovation.square = gains.most_mean_square;
@@ -151,6 +144,16 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     }
 }
 
+impl Missing {
+    /// Counts an output angle that is missing; answers with the sensors that have been there a short time
+    /// ago.
+    #[inline(always)]
+    fn misses_output(&mut self) -> usize {
+        self.output = self.output.saturating_add(1);
+        if self.output < MOST_OUTPUT_COASTED { WITH_OUTPUT } else { 0 }
+    }
+}
+
 /// Whether a sample shows the very same measurements as the one before.
 #[inline(always)]
 fn repeats<S: Real>(sample: &Sample<S>, last: &Sample<S>) -> bool {
@@ -165,8 +168,7 @@ pub(super) fn motor_ahead<S: Real, const N: usize, E: Effects<S>>(
     turn: Turn,
 ) -> S {
     let error = effects.encoder_error(false, state.angle, state.rotor.speed, &state.memory);
-    let shown = state.angle.part + error;
-    (S::from_turn_counts(turn.0 as i32) - shown).split_turns().1
+    (S::from_turn_counts(turn.0 as i32) - state.angle.part - error).split_turns().1
 }
 
 /// By how much the measured output angle is ahead of the estimated one, in turns of the output.
@@ -178,28 +180,35 @@ fn output_ahead<S: Real, const N: usize, E: Effects<S>>(
     state: &State<S, N>,
     turn: Turn,
 ) -> S {
-    let wound = state.stages.iter().fold(S::ZERO, |sum, stage| sum + stage.deflection);
+    let deflections = state.stages.iter().map(|stage| stage.deflection);
+    let wound = deflections.reduce(|sum, own| sum + own).unwrap_or(S::ZERO);
     let part = (state.angle.part - wound.times(turns)).times(gains.shaft);
     let speed = state.stages.last().map_or(S::ZERO, |stage| stage.mass.speed);
     let angle = crate::angle::Angle { part, ..Default::default() };
-    let shown = part + effects.encoder_error(true, angle, speed, &state.memory);
+    let error = effects.encoder_error(true, angle, speed, &state.memory);
     let beyond = S::from_turn_counts(turn.ahead_of(gains.geared.turn(state.angle.whole)));
-    (beyond - shown).split_turns().1
+    (beyond - part - error).split_turns().1
 }
 
-/// The bound that a value is past.
-#[cold]
-#[inline(never)]
-pub(super) fn at_bound<S: Real>(value: S, most: S) -> S {
-    if value < S::ZERO { -most } else { most }
-}
-
-/// Holds a value to its bound; answers whether it was past it.
+/// A value within a bound.
 #[inline(always)]
-pub(super) fn bounded<S: Real>(value: &mut S, most: S) -> bool {
-    let past = value.abs() > most;
-    if past {
-        *value = at_bound(*value, most);
+pub(super) fn limited<S: Real>(value: S, most: S) -> S {
+    if value.abs() > most {
+        cold_path();
+        most.along(value)
+    } else {
+        value
     }
-    past
+}
+
+/// Holds a value to its bound; flags one that was past it.
+#[inline(always)]
+pub(super) fn bounded<S: Real>(value: &mut S, most: S, status: Status) -> Status {
+    if value.abs() > most {
+        cold_path();
+        *value = most.along(*value);
+        status.with(Status::BOUNDED)
+    } else {
+        status
+    }
 }

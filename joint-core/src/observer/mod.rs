@@ -91,8 +91,10 @@ pub struct Track<S: Real, const N: usize> {
     schedule: Schedule<S>,
     missing: Missing,
     electrical: Electrical,
-    /// Samples since the start.
-    age: u16,
+    /// Samples of the first angle and speed, up to [`acquire::FIRST`].
+    first: u8,
+    /// Samples left of a start.
+    starting: u16,
     /// Whether this sample adapts friction, else winding and magnets.
     adapts_friction: bool,
     last: Sample<S>,
@@ -133,7 +135,7 @@ struct InnovationMeans<S> {
 /// Which gains are in use, and for how long.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Schedule<S> {
-    regime: Regime,
+    /// [`Regime::row`].
     row: u8,
     /// Steps left in [`Regime::Transient`].
     transient: u16,

@@ -3,13 +3,15 @@
 //! What of a sample is rejected does not enter the state; it raises a flag, the estimates stay within
 //! their bounds, and the next good sample is taken up without a reset.
 
-use super::acquire::{FIRST, MOST_OUTPUT_COASTED};
+use core::hint::cold_path;
+
+use super::acquire::FIRST;
 use super::adapt::{Adapting, STILL};
 use super::column::{CHANNELS, Column};
-use super::gains::Regime;
+use super::gains::{Regime, WITH_OUTPUT, of_sensors};
 use super::health::Status;
-use super::innovation::{Innovations, bounded};
-use super::{Observer, Sample, Track};
+use super::innovation::{Seen, bounded};
+use super::{Missing, Observer, Sample, Track};
 use crate::effect::Effects;
 use crate::joint::{Input, State};
 use crate::scalar::Real;
@@ -29,7 +31,7 @@ impl<S: Real, const N: usize> Track<S, N> {
 impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     /// Takes one sampling instant: moves the estimate to it and corrects it by what was measured.
     pub fn update(&self, track: &mut Track<S, N>, sample: &Sample<S>) -> Status {
-        let status = if track.age < FIRST {
+        let status = if track.first < FIRST {
             self.acquire(track, sample)
         } else {
             let beside = self.predict(track);
@@ -51,7 +53,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
     fn predict(&self, track: &mut Track<S, N>) -> S {
         let own = &mut track.disturbance;
         own.load = own.load + own.slope;
-        if let Some(leak) = self.gains.leak.get(track.schedule.regime as usize) {
+        if let Some(leak) = self.gains.leak.get(Regime::of_row(track.schedule.row)) {
             own.slope = own.slope.times(*leak);
         }
         let (drive, load) = (track.drive + own.bias, own.load);
@@ -65,46 +67,72 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
 
     #[inline(always)]
     fn correct(&self, track: &mut Track<S, N>, sample: &Sample<S>, beside: S) -> Status {
-        let Innovations { innovations, status, unmeasured } = self.innovations(track, sample);
-        if status == Status::REPEATED {
-            return self.repeated(track, unmeasured);
+        let mut status = Status::OK;
+        if track.starting > 0 {
+            track.starting -= 1;
+            status = Status::STARTING;
         }
-        let output = N > 0 && track.missing.output < MOST_OUTPUT_COASTED;
-        self.detect(track, &innovations, output);
+        let Some(seen) = self.innovations(track, sample, status) else {
+            return self.repeated(track, status);
+        };
+        let Seen { innovations, sensors, status } = seen;
+        let regime = self.detect(track, &innovations, sensors);
         let held = track.state.rotor.bristle.slipping < S::HALF;
-        let row = self.schedule(track, held, output);
-        let running = [track.state.current, track.state.rotor.speed];
+        let (row, mut status) = self.schedule(track, regime, held, sensors, status);
+        let friction = track.adapts_friction;
+        track.adapts_friction = !friction;
+        let mut teaches = true;
+        if status.any(Status::GLITCH.with(Status::COASTING)) {
+            cold_path();
+            let Missing { motor, rejected, .. } = track.missing;
+            let silent = motor > MOST_COASTED;
+            if silent || rejected > MOST_REJECTED {
+                self.restart(track);
+                return status.with_if(silent, Status::LOST);
+            }
+            teaches = motor == 0 && rejected == 0;
+        }
+        status = if teaches {
+            let by = Adapting { innovations: &innovations, beside, held, sensors };
+            self.adapt(track, friction, &by, status)
+        } else {
+            status.with_if(self.mismatches(track), Status::MISMATCH)
+        };
         if let Some(set) = self.gains.sets.get(row) {
             self.apply(track, set, &innovations);
         }
-        let by = Adapting { innovations: &innovations, running, beside, held, output };
-        let at_bound = self.adapt(track, &by) | self.bound(track);
-        let status = status.with_if(at_bound, Status::BOUNDED);
-        self.judged(track, status, unmeasured, output)
+        // A speed that is no number is not sound either.
+        let sound = track.state.rotor.speed.abs() <= self.gains.most_speed;
+        let status = self.bound(track, status);
+        if !sound {
+            self.restart(track);
+        }
+        status
     }
 
     /// What is left out as the sample before once more.
     #[inline(always)]
-    fn repeated(&self, track: &mut Track<S, N>, unmeasured: bool) -> Status {
-        let silent = unmeasured && track.missing.motor > MOST_COASTED;
+    fn repeated(&self, track: &mut Track<S, N>, status: Status) -> Status {
         // The slope of the load goes on.
-        let at_bound = self.bound(track);
+        let status = self.bound(track, status.with(Status::REPEATED));
+        let silent = track.missing.motor > MOST_COASTED;
         if silent {
             self.restart(track);
         }
-        Status::REPEATED
-            .with_if(silent, Status::LOST)
-            .with_if(at_bound, Status::BOUNDED)
-            .with_if(track.age < self.gains.settled, Status::STARTING)
+        status.with_if(silent, Status::LOST)
     }
 
     /// Running means of the innovations, and whether the load has changed: an exponentially weighted
     /// mean of their projection on it has left its noise.
     #[inline(always)]
-    fn detect(&self, track: &mut Track<S, N>, innovations: &[S; CHANNELS], output: bool) {
+    fn detect(
+        &self,
+        track: &mut Track<S, N>,
+        innovations: &[S; CHANNELS],
+        sensors: usize,
+    ) -> Regime {
         let gains = &self.gains;
-        let [without, with] = &gains.projection;
-        let [a, b, c] = if output { with } else { without };
+        let [a, b, c] = of_sensors(&gains.projection, sensors);
         let [by_current, by_motor, by_output] = *innovations;
         let projection = S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]);
         let square = by_current * by_current + by_motor * by_motor + by_output * by_output;
@@ -113,71 +141,68 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         mean.projection = mean.projection + (projection - mean.projection).times(gains.smoothing);
         mean.square = mean.square + (square - mean.square).times(gains.settle);
         let own = &mut track.schedule;
-        let forgotten = own.alarm_rate.times(gains.alarm_rate);
+        own.alarm_rate = own.alarm_rate - own.alarm_rate.times(gains.alarm_rate);
+        let mut regime = Regime::Steady;
         if mean.projection.abs() > gains.alarm {
             own.transient = gains.hold;
-            own.alarm_rate = own.alarm_rate - forgotten + S::ONE.times(gains.alarm_rate);
+            own.alarm_rate = own.alarm_rate + S::ONE.times(gains.alarm_rate);
+            regime = Regime::Transient;
+        } else if own.transient > 1 {
+            own.transient -= 1;
+            regime = Regime::Transient;
         } else {
-            own.transient = own.transient.saturating_sub(1);
-            own.alarm_rate = own.alarm_rate - forgotten;
+            own.transient = 0;
         }
         let (most, hold) = gains.varying;
-        own.varying = if own.alarm_rate > most { hold } else { own.varying.saturating_sub(1) };
+        if own.alarm_rate > most {
+            own.varying = hold;
+            regime = Regime::Varying;
+        } else if own.varying > 1 {
+            own.varying -= 1;
+            regime = Regime::Varying;
+        } else {
+            own.varying = 0;
+        }
+        regime
     }
 
-    /// The regime and its row of gains.
+    /// The regime, where friction may hold the rotor, as its row of gains.
     #[inline(always)]
-    fn schedule(&self, track: &mut Track<S, N>, held: bool, output: bool) -> usize {
+    fn schedule(
+        &self,
+        track: &mut Track<S, N>,
+        regime: Regime,
+        held: bool,
+        sensors: usize,
+        status: Status,
+    ) -> (usize, Status) {
         let last = track.state.stages.last();
         let hardened = last.is_some_and(|stage| stage.deflection.abs() > self.gains.hardened);
         let own = &mut track.schedule;
-        own.regime = if held {
-            Regime::Held
-        } else if own.varying > 0 {
-            Regime::Varying
-        } else if own.transient > 0 {
-            Regime::Transient
+        let mut status = status;
+        let mut regime = regime;
+        if held {
+            regime = Regime::Held;
+            if own.held < STILL {
+                own.held += 1;
+            } else if sensors != WITH_OUTPUT {
+                own.after_rest = self.gains.settled;
+                status = status.with(Status::UNOBSERVABLE);
+            }
         } else {
-            Regime::Steady
-        };
-        own.held = if held { own.held.saturating_add(1) } else { 0 };
-        let row = own.regime.row(output, hardened);
+            own.held = 0;
+        }
+        let row = regime.row_of(sensors, hardened);
         own.row = row as u8;
-        row
+        (row, status)
     }
 
-    /// Holds load and bias to their bounds; answers whether either was past it.
+    /// Holds load and bias to their bounds.
     #[inline(always)]
-    fn bound(&self, track: &mut Track<S, N>) -> bool {
+    fn bound(&self, track: &mut Track<S, N>, status: Status) -> Status {
         let own = &mut track.disturbance;
-        bounded(&mut own.load, self.gains.most_load) | bounded(&mut own.bias, self.gains.most_bias)
-    }
-
-    /// Health, and a new start where there is no estimate.
-    #[inline(always)]
-    fn judged(
-        &self,
-        track: &mut Track<S, N>,
-        status: Status,
-        unmeasured: bool,
-        output: bool,
-    ) -> Status {
-        let gains = &self.gains;
-        let starting = track.age < gains.settled;
-        if starting {
-            track.age += 1;
-        }
-        let status = status
-            .with_if(starting, Status::STARTING)
-            .with_if(track.innovation.square > gains.inconsistent, Status::MISMATCH)
-            .with_if(track.schedule.held > STILL && !output, Status::UNOBSERVABLE);
-        let silent = unmeasured && track.missing.motor > MOST_COASTED;
-        let lost = silent || unmeasured && track.missing.rejected > MOST_REJECTED;
-        let sound = track.state.rotor.speed.abs() <= gains.most_speed;
-        if lost || !sound {
-            self.restart(track);
-        }
-        status.with_if(silent, Status::LOST)
+        let status = bounded(&mut own.load, self.gains.most_load, status);
+        bounded(&mut own.bias, self.gains.most_bias, status)
     }
 
     /// Adds the gains times the innovations, and to the forces that the step keeps what follows from
@@ -190,38 +215,39 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         innovations: &[S; CHANNELS],
     ) {
         let [by_current, by_motor, by_output] = *innovations;
-        let both = |a, b| S::weighed_sum([(by_current, a), (by_motor, b)]);
-        let sum = |a, b, c| match N {
-            0 => both(a, b),
-            _ => S::weighed_sum([(by_current, a), (by_motor, b), (by_output, c)]),
+        // The winding settles faster than an angle tells of it: the output's has no say in what is
+        // electrical.
+        let electrical = |own: &mut S, a, b| *own = own.corrected([(by_current, a), (by_motor, b)]);
+        let all = |a, b, c| [(by_current, a), (by_motor, b), (by_output, c)];
+        let correct = |own: &mut S, a, b, c| match N {
+            0 => electrical(own, a, b),
+            _ => *own = own.corrected(all(a, b, c)),
         };
-        macro_rules! sum {
-            ($field:ident) => {
-                sum(&first.$field, &second.$field, &third.$field)
+        macro_rules! correct {
+            ($own:expr, $field:ident) => {
+                correct($own, &first.$field, &second.$field, &third.$field)
             };
         }
         let State { current, angle, rotor, stages, .. } = &mut track.state;
-        // The winding settles faster than an angle tells of it: the output's has no say in what is
-        // electrical.
-        *current = *current + both(&first.current, &second.current);
+        electrical(current, &first.current, &second.current);
         // The next step's sum wraps it.
-        angle.part = angle.part + sum!(angle);
-        rotor.speed = rotor.speed + sum!(speed);
+        correct!(&mut angle.part, angle);
+        correct!(&mut rotor.speed, speed);
         let rows = first.stages.iter().zip(&second.stages).zip(&third.stages);
         let mut before = &mut rotor.force;
         for ((stage, own), ((a, b), c)) in stages.iter_mut().zip(&self.joint.stages).zip(rows) {
-            let wound = sum(&a.deflection, &b.deflection, &c.deflection);
+            let wound = S::weighed_sum(all(&a.deflection, &b.deflection, &c.deflection));
             let torque = own.spring.slope(stage.deflection) * wound;
             stage.deflection = stage.deflection + wound;
             let mass = &mut stage.mass;
-            mass.speed = mass.speed + sum(&a.speed, &b.speed, &c.speed);
+            correct(&mut mass.speed, &a.speed, &b.speed, &c.speed);
             *before = *before - torque;
             mass.force = mass.force + torque;
             before = &mut mass.force;
         }
         let own = &mut track.disturbance;
-        own.load = own.load + sum!(load);
-        own.slope = own.slope + sum!(slope);
-        own.bias = own.bias + both(&first.bias, &second.bias);
+        correct!(&mut own.load, load);
+        correct!(&mut own.slope, slope);
+        electrical(&mut own.bias, &first.bias, &second.bias);
     }
 }
