@@ -50,7 +50,7 @@
 /**
  * The block is of a version that this library does not know.
  */
-#define JOINT_BLOCK_VERSION 4
+#define JOINT_BLOCK_VERSION 3
 
 /**
  * The block is shorter or longer than it says.
@@ -76,6 +76,11 @@
  * The block holds a value that the equations cannot take.
  */
 #define JOINT_BLOCK_INADMISSIBLE 8
+
+/**
+ * The block is of an older version and has effects, which that version numbers otherwise: export it anew.
+ */
+#define JOINT_BLOCK_EFFECTS 10
 
 /**
  * Bit of `status`: no parameters were accepted: estimates are those of the documented default joint.

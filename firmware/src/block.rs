@@ -76,7 +76,7 @@ pub enum BlockError {
 
 impl BlockError {
     /// A number for it, for where there is no room for a text; zero is none of them.
-    pub fn code(&self) -> u8 {
+    pub const fn code(&self) -> u8 {
         match self {
             BlockError::Empty => 1,
             BlockError::Magic => 2,

@@ -1,7 +1,9 @@
 //! The entries for bytes from anywhere, over the fuzzers' corpora and what becomes of them: a short run of
-//! `cargo fuzz` without its toolchain. A panic is a failure, and so is a promise of `tests/fuzz/entry.rs` that does
-//! not hold.
+//! `cargo fuzz` without its toolchain. A panic is a failure, and so is a promise of `tests/fuzz` that does not
+//! hold.
 
+#[path = "../../tests/fuzz/drive.rs"]
+mod drive;
 #[path = "../../tests/fuzz/entry.rs"]
 mod entry;
 
@@ -146,13 +148,15 @@ fn run(target: &str, entry: fn(&[u8]), seed: u64, mutations: u32) {
 }
 
 fn run_all(seed: u64, times: u32) {
-    let entries: [(&str, Entry, u32); 6] = [
+    let entries: [(&str, Entry, u32); 8] = [
         ("model", entry::model, 20_000),
         ("log", entry::log, 40_000),
         ("import_map", entry::import_map, 20_000),
         ("recording", entry::recording, 10_000),
-        ("block", entry::block, 5_000),
-        ("frames", entry::frames, 40_000),
+        ("block", drive::block, 5_000),
+        ("frames", drive::frames, 40_000),
+        ("capi", drive::capi, 10_000),
+        ("fmu", drive::fmu, 10_000),
     ];
     for (target, entry, mutations) in entries {
         let begun = Instant::now();
@@ -165,7 +169,7 @@ fn run_all(seed: u64, times: u32) {
 type Entry = fn(&[u8]);
 
 #[test]
-fn no_model_log_map_recording_block_or_frame_is_met_by_a_panic() {
+fn no_file_block_frame_or_call_is_met_by_a_panic() {
     run_all(1, 1);
 }
 

@@ -129,3 +129,82 @@ pub(crate) fn deflection(stage: &Stage, torque: f64) -> f64 {
     }
     x
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gear of 2:1 with all units one: at the motor a spring is a quarter as stiff, a cubic one a
+    /// sixteenth.
+    fn spring(stage: &Stage) -> Spring<f64> {
+        Spring::new(stage, 0.5, 0.25, [1.0; 3], [1.0, 4.0])
+    }
+
+    fn stage() -> Stage {
+        Stage {
+            stiffness_nm_per_rad: 8.0,
+            cubic_stiffness_nm_per_rad3: 48.0,
+            damping_nm_s_per_rad: 4.0,
+            ..Stage::default()
+        }
+    }
+
+    #[test]
+    fn a_spring_gives_equation_1_its_slope_and_its_dampers_torque() {
+        let spring = spring(&stage());
+        // 2 x + 3 x³ + ẋ; a few roundings of a root.
+        for x in [-1.5, -0.2, 0.0, 0.7, 2.0] {
+            assert!((spring.torque(x) - (2.0 * x + 3.0 * x * x * x)).abs() < 1e-13, "{x}");
+            assert!((spring.slope(x) - (2.0 + 9.0 * x * x)).abs() < 1e-13, "{x}");
+            assert_eq!(spring.damping_torque(x), x);
+        }
+    }
+
+    #[test]
+    fn units_scale_a_spring() {
+        let spring = Spring::<f64>::new(&stage(), 0.5, 0.25, [10.0, 3.0, 0.1], [1.0, 4.0]);
+        let x = 0.8;
+        assert!((spring.torque(x) - 0.1 * (2.0 * 0.1 * x + 3.0 * (0.1 * x).powi(3))).abs() < 1e-15);
+        assert!((spring.damping_torque(x) - 0.3 * x).abs() < 1e-15);
+    }
+
+    /// The relative speed falls by e^(−c h (1/J₁ + 1/J₂)), the momentum stays.
+    #[test]
+    fn a_damper_decays_the_relative_speed_exactly_and_keeps_the_momentum() {
+        let spring = spring(&stage());
+        assert!(spring.is_damped());
+        let (mut before, mut after) = (3.0, -1.0);
+        spring.damp(&mut before, &mut after, 1.0);
+        assert!((before - after - 4.0 * (-0.25_f64 * 1.25).exp()).abs() < 1e-14);
+        assert!((before + 4.0 * after - (3.0 - 4.0)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn without_contact_or_damper_nothing_is_damped() {
+        let (mut before, mut after) = (3.0, -1.0);
+        spring(&stage()).damp(&mut before, &mut after, 0.0);
+        assert_eq!((before, after), (3.0, -1.0));
+        let undamped = spring(&Stage { damping_nm_s_per_rad: 0.0, ..stage() });
+        assert!(!undamped.is_damped());
+        undamped.damp(&mut before, &mut after, 1.0);
+        assert_eq!((before, after), (3.0, -1.0));
+    }
+
+    #[test]
+    fn a_torque_deflects_a_spring_by_the_root_of_its_law() {
+        for torque in [-30.0, -0.01, 0.0, 2.0, 400.0] {
+            let x = deflection(&stage(), torque);
+            assert!(
+                (8.0 * x + 48.0 * x * x * x - torque).abs() <= 1e-13 * torque.abs(),
+                "{torque}"
+            );
+            assert!((tangent(&stage(), torque) - (8.0 + 144.0 * x * x)).abs() < 1e-12, "{torque}");
+        }
+    }
+
+    #[test]
+    fn thrice_is_three_times_in_every_format() {
+        assert_eq!((0.7_f32.thrice(), 0.7_f64.thrice()), (2.1, 0.7 + 0.7 + 0.7));
+        assert_eq!(2.0_f64.drifted(0.5, 3.0, 0.25), (2.75, 0.5));
+    }
+}

@@ -1,4 +1,4 @@
-//! Where bytes from anywhere come in: what each entry promises of any bytes.
+//! Where files from anywhere come in: what each entry promises of any bytes; `drive.rs` is the drive's side.
 //!
 //! The fuzz targets beside this file and `host-harness/tests/corpus.rs` call the same functions. A panic is
 //! a defect, and so is an assertion here that does not hold.
@@ -7,16 +7,12 @@
 
 use std::path::Path;
 
-use firmware::any_control::AnyControl;
-use firmware::block::Block;
 use host_harness::import::import;
 use host_harness::import::map_file;
 use host_harness::import::settings::Settings;
 use host_harness::log::Log;
 use host_harness::log::Need;
 use host_harness::model::Model;
-use joint_core::telemetry::frame::{CRC32, Reader, encode};
-use joint_core::telemetry::{Sample, Status};
 
 /// Text longer than this says nothing new.
 const MOST: usize = 1 << 16;
@@ -83,57 +79,5 @@ pub(crate) fn recording(bytes: &[u8]) {
             let columns = found.log.columns();
             assert!(columns.iter().all(|(_, values)| values.len() == found.log.len()));
         }
-    }
-}
-
-/// A block is refused by name, or the drive steps on it and reports finite numbers, also with its checksum
-/// put right.
-pub(crate) fn block(bytes: &[u8]) {
-    stepped(bytes);
-    let mut whole = bytes.to_vec();
-    if let Some(body) = whole.len().checked_sub(4) {
-        if let Some(payload) = body.checked_sub(12)
-            && let Some(length) = whole.get_mut(8..12)
-        {
-            length.copy_from_slice(&(payload as u32).to_le_bytes());
-        }
-        let checksum = CRC32.checksum(&whole[..body]).to_le_bytes();
-        whole[body..].copy_from_slice(&checksum);
-        stepped(&whole);
-    }
-}
-
-fn stepped(bytes: &[u8]) {
-    let Ok(block) = Block::in_page(bytes) else { return };
-    let mut control = Box::new(AnyControl::NotStarted);
-    if let Err(error) = control.read(&block, Status(0)) {
-        assert!(!error.to_string().is_empty());
-        return;
-    }
-    for k in 0..100_i32 {
-        let sample = Sample {
-            motor_counts: 13 * k,
-            output_counts: k,
-            current_a: 0.01 * (k % 7) as f32,
-            voltage_v: 0.1 * (k % 11) as f32,
-        };
-        control.tick(sample, u32::from(k % 50 == 49));
-    }
-}
-
-/// Of any bytes frames are found or not; what is found is the same after it was sent again.
-pub(crate) fn frames(bytes: &[u8]) {
-    let mut reader = Reader::default();
-    let mut found: Vec<_> = bytes.iter().filter_map(|byte| reader.push(*byte)).collect();
-    while let Some(frame) = reader.rest() {
-        found.push(frame);
-    }
-    for frame in found {
-        let sent = encode(&frame.message, frame.sequence);
-        assert!(!sent.is_empty(), "{frame:?}");
-        let mut reader = Reader::default();
-        let again = sent.iter().find_map(|byte| reader.push(*byte));
-        let again = again.map(|it| encode(&it.message, it.sequence));
-        assert_eq!(again.as_deref(), Some(&sent[..]), "{frame:?}");
     }
 }

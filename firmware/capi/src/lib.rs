@@ -12,7 +12,7 @@
 use core::mem::MaybeUninit;
 
 use firmware::any_control::AnyControl;
-use firmware::block::Block;
+use firmware::block::{Block, BlockError};
 use joint_core::observer::Status as Health;
 use joint_core::telemetry::{Report, Status};
 
@@ -35,7 +35,7 @@ pub const JOINT_BLOCK_EMPTY: i32 = 1;
 /// This is no parameter block.
 pub const JOINT_BLOCK_MAGIC: i32 = 2;
 /// The block is of a version that this library does not know.
-pub const JOINT_BLOCK_VERSION: i32 = 4;
+pub const JOINT_BLOCK_VERSION: i32 = 3;
 /// The block is shorter or longer than it says.
 pub const JOINT_BLOCK_LENGTH: i32 = 4;
 /// The block's checksum is wrong.
@@ -46,6 +46,8 @@ pub const JOINT_BLOCK_STAGES: i32 = 6;
 pub const JOINT_BLOCK_PAYLOAD: i32 = 7;
 /// The block holds a value that the equations cannot take.
 pub const JOINT_BLOCK_INADMISSIBLE: i32 = 8;
+/// The block is of an older version and has effects, which that version numbers otherwise: export it anew.
+pub const JOINT_BLOCK_EFFECTS: i32 = 10;
 
 /// Bit of `status`: no parameters were accepted: estimates are those of the documented default joint.
 pub const JOINT_STATUS_DEFAULTS: u16 = 1 << 0;
@@ -151,6 +153,15 @@ const _: () = assert!(size_of::<Own>() <= size_of::<Joint>(), "JOINT_WORDS is to
 const _: () = assert!(JOINT_STAGES == joint_core::telemetry::MAX_STAGES);
 /// The header's numbers are those of the code behind it, and of the package.
 const _: () = {
+    assert!(JOINT_BLOCK_EMPTY == BlockError::Empty.code() as i32);
+    assert!(JOINT_BLOCK_MAGIC == BlockError::Magic.code() as i32);
+    assert!(JOINT_BLOCK_VERSION == BlockError::Version(0).code() as i32);
+    assert!(JOINT_BLOCK_LENGTH == BlockError::Length.code() as i32);
+    assert!(JOINT_BLOCK_CRC == BlockError::Crc { stored: 0, found: 0 }.code() as i32);
+    assert!(JOINT_BLOCK_STAGES == BlockError::Stages(0).code() as i32);
+    assert!(JOINT_BLOCK_PAYLOAD == BlockError::Payload.code() as i32);
+    assert!(JOINT_BLOCK_INADMISSIBLE == BlockError::Inadmissible("").code() as i32);
+    assert!(JOINT_BLOCK_EFFECTS == BlockError::Effects(0).code() as i32);
     assert!(JOINT_STATUS_DEFAULTS == Status::DEFAULTS.0);
     assert!(JOINT_STATUS_MEASUREMENT == Status::MEASUREMENT.0);
     assert!(JOINT_STATUS_ENCODER_JUMP == Status::ENCODER_JUMP.0);

@@ -5,8 +5,11 @@ use serde::{Deserialize, Serialize};
 use crate::joint::{DRIVE, INPUTS, Joint, JointError, LOAD};
 use crate::running::{self, Running, Start};
 
+/// Steps of one communication step: more would look as if the library hung.
+const MOST_STEPS: u64 = 1_000_000_000;
+
 /// An instance: its values by value reference, and the joint once it is initialised.
-pub(crate) struct Component {
+pub struct Component {
     joint: Joint,
     parameters: Vec<f64>,
     inputs: [f64; INPUTS],
@@ -28,6 +31,28 @@ struct Kept {
     now_s: f64,
     steps: u64,
     state: Option<Vec<u8>>,
+}
+
+/// What a communication step may begin beside the end of the one before, s: a millionth of a step forgives
+/// what the importing tool's clock rounds; so does the rounding of a large time.
+fn rounding_s(period_s: f64, from_s: f64) -> f64 {
+    1e-6 * period_s + 1e-12 * from_s.abs()
+}
+
+/// How many whole steps a duration holds that ends at a time so large.
+fn due(duration_s: f64, period_s: f64, from_s: f64) -> u64 {
+    // More than half a step would count steps that nobody asked for.
+    let rounding = rounding_s(period_s, from_s).min(0.5 * period_s);
+    ((duration_s + rounding) / period_s).floor() as u64
+}
+
+fn finite_outputs(running: &dyn Running, whose: &str) -> Result<Vec<f64>, JointError> {
+    let mut outputs = Vec::new();
+    running.outputs(&mut outputs);
+    match outputs.iter().all(|output| output.is_finite()) {
+        true => Ok(outputs),
+        false => Err(JointError(format!("an output {whose} is no finite number"))),
+    }
 }
 
 impl Clone for Component {
@@ -66,8 +91,14 @@ impl Component {
 
     /// Builds the joint of the parameters as they are now.
     pub(crate) fn initialise(&mut self) -> Result<(), JointError> {
+        if self.start_s.abs() * f64::EPSILON > 0.1 * self.joint.period_s {
+            let (start_s, period_s) = (self.start_s, self.joint.period_s);
+            return Err(JointError(format!(
+                "a start at {start_s} s is too late to tell steps of {period_s} s apart"
+            )));
+        }
         let running = self.started()?;
-        running.outputs(&mut self.outputs);
+        self.outputs = finite_outputs(running.as_ref(), "of these initial values")?;
         self.running = Some(running);
         (self.now_s, self.steps) = (self.start_s, 0);
         Ok(())
@@ -118,10 +149,7 @@ impl Component {
         if !(drive.is_finite() && load.is_finite() && until_s.is_finite()) {
             return Err(JointError("an input or the time is no finite number".to_owned()));
         }
-        // A millionth of a step forgives what the importing tool's clock rounds; so does the rounding of a
-        // large time.
-        let rounding = 1e-6 * self.joint.period_s + 1e-12 * from_s.abs();
-        if (from_s - self.now_s).abs() > rounding {
+        if (from_s - self.now_s).abs() > rounding_s(self.joint.period_s, from_s) {
             return Err(JointError(format!(
                 "time jumps: the last communication step ended at {} s, this one begins at {from_s} s",
                 self.now_s
@@ -130,7 +158,13 @@ impl Component {
         if step_s < 0.0 {
             return Err(JointError(format!("a communication step of {step_s} s goes back")));
         }
-        let due = ((until_s - self.start_s + rounding) / self.joint.period_s).floor() as u64;
+        let due = due(until_s - self.start_s, self.joint.period_s, from_s);
+        if due.saturating_sub(self.steps) > MOST_STEPS {
+            let period_s = self.joint.period_s;
+            return Err(JointError(format!(
+                "a communication step of {step_s} s is more than {MOST_STEPS} steps of {period_s} s"
+            )));
+        }
         while self.steps < due {
             self.steps += 1;
             if !running.step(drive, load) {
@@ -138,7 +172,7 @@ impl Component {
                 return Err(JointError(format!("the state leaves every number at {at} s")));
             }
         }
-        running.outputs(&mut self.outputs);
+        self.outputs = finite_outputs(running.as_ref(), "of this state")?;
         self.now_s = until_s;
         Ok(())
     }
@@ -164,6 +198,10 @@ impl Component {
         if kept.parameters.len() != self.parameters.len() {
             return Err(JointError("these bytes are the state of another joint".to_owned()));
         }
+        let due = due(kept.now_s - kept.start_s, self.joint.period_s, kept.now_s);
+        if !(kept.start_s.is_finite() && kept.now_s.is_finite() && kept.steps.abs_diff(due) <= 1) {
+            return Err(JointError("these bytes hold a time that no such state has".to_owned()));
+        }
         let mut own = Self {
             parameters: kept.parameters,
             inputs: kept.inputs,
@@ -173,7 +211,7 @@ impl Component {
         if let Some(state) = kept.state {
             let mut running = own.started()?;
             running.set_state(&state)?;
-            running.outputs(&mut own.outputs);
+            own.outputs = finite_outputs(running.as_ref(), "of the state in these bytes")?;
             own.running = Some(running);
         }
         (own.now_s, own.steps) = (kept.now_s, kept.steps);

@@ -4,19 +4,21 @@
 //! refused. What an FMU of this kind has not (integers, booleans, strings, derivatives of inputs) is
 //! an error with a message through the tool's logger.
 
-#![allow(unreachable_pub)] // They are found by name in the shared library.
-
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::path::PathBuf;
 use std::slice;
 
-use crate::component::Component;
+pub use crate::component::Component;
 use crate::joint::{Joint, JointError, guid};
 
-type Status = c_int;
-const OK: Status = 0;
-const DISCARD: Status = 2;
-const ERROR: Status = 3;
+/// The standard's `fmi2Status`.
+pub type Status = c_int;
+/// The call did what it is for.
+pub const OK: Status = 0;
+/// There is nothing to tell.
+pub const DISCARD: Status = 2;
+/// The call was refused; the logger was told why.
+pub const ERROR: Status = 3;
 
 type Logger = Option<
     unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...),

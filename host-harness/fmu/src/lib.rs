@@ -10,7 +10,7 @@
 mod component;
 mod description;
 mod descriptions;
-mod functions;
+pub mod functions;
 mod joint;
 mod running;
 

@@ -23,3 +23,29 @@ impl Friction {
         4.0 * least / sigma1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn friction(stribeck_nm: f64, sigma2_nm_s_per_rad: f64) -> Friction {
+        Friction {
+            sigma0_nm_per_rad: 100.0,
+            sigma1_nm_s_per_rad: 2.0,
+            sigma2_nm_s_per_rad,
+            coulomb_nm: 1.0,
+            stribeck_nm,
+            stribeck_velocity_rad_per_s: 0.1,
+        }
+    }
+
+    #[test]
+    fn friction_is_passive_at_every_speed_up_to_the_bound_of_its_viscous_part() {
+        // σ1 (g_max/g_min − 1): 2 (1.5 − 1) above the Coulomb level, 2 (1/0.5 − 1) below it.
+        for (stribeck, bound, level) in [(0.5, 1.0, 1.0), (-0.5, 2.0, 0.5)] {
+            assert_eq!(friction(stribeck, bound).passive_to_rad_per_s(), f64::INFINITY);
+            assert_eq!(friction(stribeck, 0.99 * bound).passive_to_rad_per_s(), 2.0 * level);
+        }
+        assert_eq!(friction(0.0, 0.0).passive_to_rad_per_s(), f64::INFINITY);
+    }
+}

@@ -1,5 +1,5 @@
 #![no_main]
-#[path = "../entry.rs"]
-mod entry;
+#[path = "../drive.rs"]
+mod drive;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| entry::frames(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| drive::frames(bytes));

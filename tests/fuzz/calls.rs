@@ -1,0 +1,356 @@
+//! Calls of the C library and of the FMU's functions, read from bytes: any order, any number.
+//!
+//! Pointers are sound here; what a wrong one does is the business of `firmware/capi/tests/calls.rs` and
+//! `host-harness/fmu/tests/calls.rs`.
+
+#![allow(unsafe_code, reason = "what is called is C's interface")]
+
+use std::ffi::{CString, c_uint};
+use std::fs;
+use std::path::PathBuf;
+use std::ptr::{null, null_mut};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use joint::{
+    Estimate, JOINT_BLOCK_EFFECTS, JOINT_BLOCK_EMPTY, JOINT_NOT_INITIALISED, JOINT_OK, Joint,
+    Sample, joint_estimate, joint_init, joint_update,
+};
+use joint_core::params::{Friction, Load, Motor, Stage};
+use joint_fmu::functions::*;
+use joint_fmu::{Input, Joint as Described, guid};
+
+use super::with_checksum;
+
+/// What the calls are read from; zeros where the bytes end.
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> Bytes<'a> {
+    fn byte(&mut self) -> u8 {
+        self.many::<1>()[0]
+    }
+
+    fn many<const N: usize>(&mut self) -> [u8; N] {
+        let (bytes, rest) = self.0.split_at(self.0.len().min(N));
+        self.0 = rest;
+        std::array::from_fn(|k| bytes.get(k).copied().unwrap_or(0))
+    }
+
+    /// One of the values at which arithmetic ends, any value, or a plain one.
+    fn number(&mut self) -> f64 {
+        match self.byte() {
+            0 => f64::NAN,
+            1 => f64::INFINITY,
+            2 => f64::NEG_INFINITY,
+            3 => f64::MAX,
+            4 => f64::MIN_POSITIVE,
+            5 => -0.0,
+            6..32 => f64::from_bits(u64::from_le_bytes(self.many())),
+            plain => (f64::from(plain) - 128.0) / 16.0,
+        }
+    }
+
+    /// The next bytes, their number ahead of them in two.
+    fn slice(&mut self) -> &'a [u8] {
+        let length = usize::from(u16::from_le_bytes(self.many()));
+        let (bytes, rest) = self.0.split_at(self.0.len().min(length));
+        self.0 = rest;
+        bytes
+    }
+}
+
+const BLOCK: &[u8] = include_bytes!("../../firmware/src/default.block");
+/// Periods and steps of one input.
+const MOST_STEPS: u64 = 2000;
+
+/// Two joints under calls in any order: every answer is one of the header's, every estimate is finite, and a
+/// joint that is not initialised writes none.
+pub(crate) fn capi(bytes: &[u8]) {
+    let mut bytes = Bytes(bytes);
+    // SAFETY: joints of zeros are ones that are not initialised.
+    let mut joints = [0; 2].map(|_| unsafe { Box::<Joint>::new_zeroed().assume_init() });
+    let mut ready = [false; 2];
+    let mut updates = 0;
+    while !bytes.0.is_empty() && updates < MOST_STEPS {
+        let call = bytes.byte();
+        let which = usize::from(call & 1);
+        let (own, ready) = (&mut joints[which], &mut ready[which]);
+        match call >> 1 & 7 {
+            0 => *ready = initialised(own, BLOCK),
+            1 => *ready = initialised(own, bytes.slice()),
+            2 => *ready = initialised(own, &with_checksum(bytes.slice())),
+            // SAFETY: as above.
+            3 => unsafe {
+                let zeroed = Box::<Joint>::new_zeroed().assume_init();
+                *own = Box::new(*std::mem::replace(own, zeroed));
+            },
+            _ => {
+                let times = u64::from(bytes.byte()) + 1;
+                let mut sample = Sample {
+                    voltage_v: bytes.number() as f32,
+                    current_a: bytes.number() as f32,
+                    motor_counts: i32::from_le_bytes(bytes.many()),
+                    output_counts: i32::from_le_bytes(bytes.many()),
+                    missed: u32::from(bytes.byte() / 128) * u32::from_le_bytes(bytes.many()),
+                };
+                let moved = i32::from(i16::from_le_bytes(bytes.many()));
+                for _ in 0..times {
+                    updated(own, &sample, *ready);
+                    sample.motor_counts = sample.motor_counts.wrapping_add(moved);
+                }
+                updates += times;
+            }
+        }
+    }
+}
+
+fn initialised(joint: &mut Joint, block: &[u8]) -> bool {
+    // SAFETY: both are this function's for the call.
+    let answer = unsafe { joint_init(joint, block.as_ptr(), block.len()) };
+    assert!((JOINT_OK..=JOINT_BLOCK_EFFECTS).contains(&answer), "{answer}");
+    assert!(answer == JOINT_OK || answer >= JOINT_BLOCK_EMPTY);
+    answer == JOINT_OK
+}
+
+fn updated(joint: &mut Joint, sample: &Sample, ready: bool) {
+    let mut estimate = Estimate { output_angle_rad: f32::NAN, ..Estimate::default() };
+    // SAFETY: all three are this function's for the call.
+    let answers = unsafe { [joint_update(joint, sample), joint_estimate(joint, &mut estimate)] };
+    assert_eq!(answers, [if ready { JOINT_OK } else { JOINT_NOT_INITIALISED }; 2]);
+    if !ready {
+        assert!(estimate.output_angle_rad.is_nan(), "written by {answers:?}");
+        return;
+    }
+    let numbers = [
+        estimate.motor_velocity_rad_per_s,
+        estimate.total_friction_at_motor_nm,
+        estimate.output_angle_rad,
+        estimate.output_velocity_rad_per_s,
+        estimate.load_torque_nm,
+        estimate.motor_velocity_std,
+        estimate.total_friction_std,
+        estimate.output_angle_std,
+        estimate.output_velocity_std,
+        estimate.load_torque_std,
+    ];
+    let all = [&numbers[..], &estimate.windup_rad, &estimate.windup_std].concat();
+    assert!(all.iter().all(|number| number.is_finite()), "{estimate:?} of {sample:?}");
+}
+
+/// A joint with one stage.
+fn described() -> Described {
+    let friction = Friction {
+        sigma0_nm_per_rad: 0.05,
+        sigma1_nm_s_per_rad: 5e-7,
+        sigma2_nm_s_per_rad: 5e-9,
+        coulomb_nm: 9e-6,
+        stribeck_nm: 2e-6,
+        stribeck_velocity_rad_per_s: 50.0,
+    };
+    let motor = Motor {
+        phase_resistance_ohm: 4.55,
+        phase_inductance_h: 13e-6,
+        torque_constant_nm_per_a: 1.38e-3,
+        rotor_inertia_kg_m2: 9.5e-10,
+        friction,
+        ..Motor::default()
+    };
+    let stage = Stage {
+        reduction: 32.0,
+        inertia_kg_m2: 8e-7,
+        stiffness_nm_per_rad: 15.0,
+        friction,
+        ..Stage::default()
+    };
+    Described {
+        name: "fuzzed".to_owned(),
+        input: Input::Voltage,
+        period_s: 50e-6,
+        motor,
+        stage: vec![stage],
+        load: Load { inertia_kg_m2: 1e-7, ..Load::default() },
+        effect: Vec::new(),
+    }
+}
+
+/// An instance of the FMU with a copy of its state, both freed at the end.
+struct Fmu {
+    own: *mut Instance,
+    state: *mut Component,
+    /// What the outputs were when the state was copied, and where its last communication step ended, s.
+    copied: (Vec<u64>, f64, bool),
+    outputs: usize,
+    /// Where the last communication step ended, s.
+    now_s: f64,
+    start_s: f64,
+    /// Whether no step has failed since the start: the state behind one that has is no number.
+    sound: bool,
+}
+
+/// The joint's file before a line of dashes, where the bytes begin with a brace, and calls in any order:
+/// every call answers, what runs has finite outputs, and a copied state brings them back to the bit.
+pub(crate) fn fmu(bytes: &[u8]) {
+    let dashes = bytes.windows(5).position(|it| it == b"\n---\n");
+    let (file, calls) = match dashes.filter(|_| bytes.starts_with(b"{")) {
+        Some(at) => (&bytes[..at], &bytes[at + 5..]),
+        None => (&b""[..], bytes),
+    };
+    let file = match std::str::from_utf8(file) {
+        Ok("") => described().text(),
+        Ok(text) => text.to_owned(),
+        Err(_) => return,
+    };
+    let Some(mut fmu) = Fmu::new(&file) else { return };
+    let period_s = Described::read(&file).map_or(0.0, |joint| joint.period_s);
+    let mut bytes = Bytes(calls);
+    let mut steps = 0;
+    while !bytes.0.is_empty() && steps < MOST_STEPS {
+        steps += fmu.call(&mut bytes, period_s);
+    }
+}
+
+impl Fmu {
+    fn new(file: &str) -> Option<Self> {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let folder: PathBuf =
+            std::env::temp_dir().join(format!("joint-fuzz-{}-{number}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("joint.json"), file).unwrap();
+        let place = CString::new(folder.to_str()?).ok()?;
+        let wanted = CString::new(guid(file)).ok()?;
+        let name = c"own".as_ptr();
+        // SAFETY: the strings end in zero and live over the call.
+        let own =
+            unsafe { fmi2Instantiate(name, 1, wanted.as_ptr(), place.as_ptr(), null(), 0, 0) };
+        fs::remove_dir_all(&folder).unwrap();
+        let described = Described::read(file);
+        assert_eq!(own.is_null(), described.is_err());
+        let outputs = described.ok()?.outputs().len();
+        let (state, copied) = (null_mut(), (Vec::new(), 0.0, true));
+        Some(Self { own, state, copied, outputs, now_s: 0.0, start_s: 0.0, sound: true })
+    }
+
+    /// One call; how many steps it took at most.
+    fn call(&mut self, bytes: &mut Bytes<'_>, period_s: f64) -> u64 {
+        let own = self.own;
+        // SAFETY: the instance is freed by `drop` alone; a state that is freed is null.
+        unsafe {
+            match bytes.byte() % 12 {
+                0 => {
+                    fmi2EnterInitializationMode(own);
+                    if fmi2ExitInitializationMode(own) == OK {
+                        (self.now_s, self.sound) = (self.start_s, true);
+                    }
+                    self.hold();
+                }
+                1 => {
+                    fmi2Reset(own);
+                    self.start_s = 0.0;
+                }
+                2 => {
+                    let start_s = bytes.number();
+                    if fmi2SetupExperiment(own, 0, 0.0, start_s, 0, 0.0) == OK {
+                        self.start_s = start_s;
+                    }
+                }
+                3 | 4 => {
+                    let (reference, value) = (c_uint::from(bytes.byte()), bytes.number());
+                    fmi2SetReal(own, &reference, 1, &value);
+                }
+                5 if fmi2GetFMUstate(own, &mut self.state) == OK => {
+                    self.copied = (self.outputs(), self.now_s, self.sound);
+                }
+                6 if fmi2SetFMUstate(own, self.state) == OK => {
+                    assert_eq!(self.outputs(), self.copied.0);
+                    (self.now_s, self.sound) = (self.copied.1, self.copied.2);
+                }
+                7 => self.through_bytes(bytes, period_s),
+                8 => assert_eq!(fmi2FreeFMUstate(own, &mut self.state), OK),
+                9 => {
+                    let mut value = 0;
+                    let answers = [fmi2Terminate(own), fmi2GetInteger(own, &0, 1, &mut value)];
+                    assert_eq!(answers, [OK, ERROR]);
+                }
+                _ => return self.step(bytes, period_s),
+            }
+        }
+        1
+    }
+
+    /// Whole periods, or any number that is told to be too many.
+    fn step(&mut self, bytes: &mut Bytes<'_>, period_s: f64) -> u64 {
+        let (times, any) = (bytes.byte(), bytes.number());
+        let step_s = if times < 200 { f64::from(times) * period_s } else { any };
+        let steps = step_s / period_s;
+        if (1000.0..1e10).contains(&steps) {
+            return 0;
+        }
+        // SAFETY: as in `call`.
+        if unsafe { fmi2DoStep(self.own, self.now_s, step_s, 0) } == OK {
+            self.now_s += step_s;
+            self.hold();
+        } else {
+            self.sound = false;
+        }
+        u64::from(times) + 1
+    }
+
+    /// The state as bytes, some of them exchanged, is refused or is a state that steps.
+    fn through_bytes(&mut self, from: &mut Bytes<'_>, period_s: f64) {
+        let mut size = 0;
+        // SAFETY: as in `call`; room for as many bytes as are told.
+        unsafe {
+            if fmi2SerializedFMUstateSize(self.own, self.state, &mut size) != OK {
+                return;
+            }
+            let mut kept = vec![0; size];
+            assert_eq!(fmi2SerializeFMUstate(self.own, self.state, kept.as_mut_ptr(), size), OK);
+            let (at, bytes) = (usize::from(u16::from_le_bytes(from.many())), from.slice());
+            for (place, byte) in kept.iter_mut().skip(at).zip(bytes) {
+                *place = *byte;
+            }
+            let (mut before, mut made) = (null_mut(), null_mut());
+            assert_eq!(fmi2GetFMUstate(self.own, &mut before), OK);
+            let answer = fmi2DeSerializeFMUstate(self.own, kept.as_ptr(), size, &mut made);
+            assert_eq!(answer == OK, !made.is_null());
+            assert!(answer == OK || !bytes.is_empty() || !self.copied.2);
+            if answer == OK {
+                assert_eq!(fmi2SetFMUstate(self.own, made), OK);
+                self.hold();
+                fmi2DoStep(self.own, self.copied.1, 10.0 * period_s, 0);
+                self.hold();
+            }
+            assert_eq!(fmi2SetFMUstate(self.own, before), OK);
+            fmi2FreeFMUstate(self.own, &mut made);
+            fmi2FreeFMUstate(self.own, &mut before);
+        }
+    }
+
+    /// The outputs' bits.
+    fn outputs(&self) -> Vec<u64> {
+        let references: Vec<c_uint> = (2..2 + self.outputs as c_uint).collect();
+        let mut values = vec![f64::NAN; references.len()];
+        // SAFETY: as in `call`; as many values as references.
+        let answer = unsafe {
+            fmi2GetReal(self.own, references.as_ptr(), references.len(), values.as_mut_ptr())
+        };
+        assert_eq!(answer, OK);
+        values.into_iter().map(f64::to_bits).collect()
+    }
+
+    fn hold(&self) {
+        for (k, bits) in self.outputs().into_iter().enumerate() {
+            assert!(f64::from_bits(bits).is_finite(), "output {k}: {}", f64::from_bits(bits));
+        }
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        // SAFETY: freed once.
+        unsafe {
+            fmi2FreeFMUstate(self.own, &mut self.state);
+            fmi2FreeInstance(self.own);
+        }
+    }
+}

@@ -1,0 +1,5 @@
+#![no_main]
+#[path = "../drive.rs"]
+mod drive;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| drive::fmu(bytes));
