@@ -81,7 +81,7 @@ pub(crate) fn capi(bytes: &[u8]) {
             // SAFETY: as above.
             3 => unsafe {
                 let zeroed = Box::<Joint>::new_zeroed().assume_init();
-                *own = Box::new(*std::mem::replace(own, zeroed));
+                **own = *std::mem::replace(own, zeroed);
             },
             _ => {
                 let times = u64::from(bytes.byte()) + 1;
