@@ -155,8 +155,8 @@ fn run_all(seed: u64, times: u32) {
         ("recording", entry::recording, 10_000),
         ("block", drive::block, 5_000),
         ("frames", drive::frames, 40_000),
-        ("capi", drive::capi, 10_000),
-        ("fmu", drive::fmu, 10_000),
+        ("capi", drive::capi, 1_000),
+        ("fmu", drive::fmu, 4_000),
     ];
     for (target, entry, mutations) in entries {
         let begun = Instant::now();

@@ -74,7 +74,7 @@ pub(crate) fn capi(bytes: &[u8]) {
         let call = bytes.byte();
         let which = usize::from(call & 1);
         let (own, ready) = (&mut joints[which], &mut ready[which]);
-        match call >> 1 & 7 {
+        match (call >> 1) & 7 {
             0 => *ready = initialised(own, BLOCK),
             1 => *ready = initialised(own, bytes.slice()),
             2 => *ready = initialised(own, &with_checksum(bytes.slice())),

@@ -9,6 +9,7 @@ use joint_core::effect::{EffectParameters, EffectSet};
 use joint_core::joint::{Drive, Joint, Settings};
 use joint_core::observer::{Column, Design, Gains, Level, Observer, Regime, SETS, Spread};
 use joint_core::params::{Friction, Load, Motor, Stage};
+use joint_core::scalar::Real;
 use joint_core::telemetry::frame::{self, Frame, Reader};
 use joint_core::telemetry::{Command, Message, Sample, Status};
 
@@ -126,6 +127,27 @@ pub fn parameters_with(effects: &[EffectParameters]) -> Parameters<2> {
         ..Sensing::default()
     };
     Parameters { observer: Observer { joint, gains }, sensing }
+}
+
+/// The gear with springs that fixed point steps: straight and without damping.
+pub fn plain_gear() -> [Stage; 2] {
+    gear().map(|stage| Stage {
+        cubic_stiffness_nm_per_rad3: 0.0,
+        damping_nm_s_per_rad: 0.0,
+        ..stage
+    })
+}
+
+/// The observer of the joint with [`plain_gear`], in one micro-step.
+///
+/// # Panics
+/// The equations cannot take the parameters.
+pub fn observer<S: Real>() -> Observer<S, 2> {
+    let (motor, stages) = (motor(), plain_gear());
+    let settings = Settings { micro_steps: Some(1), ..Settings::new(Drive::Voltage, PERIOD_S) };
+    let joint = Joint::<S, 2>::new(&motor, &stages, &Load::default(), &settings).unwrap();
+    let gains = Gains::new(&design(), &motor, &stages, Drive::Voltage, PERIOD_S);
+    Observer { joint, gains }
 }
 
 /// Parameters as a block.

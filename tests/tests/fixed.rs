@@ -7,20 +7,14 @@ use std::path::Path;
 use firmware::{block, drill};
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Settings};
-use joint_core::params::{Load, Stage};
-use joint_tests::drive::{gear, motor};
+use joint_core::params::Load;
+use joint_tests::drive::{motor, plain_gear};
 use joint_tests::qemu::{self, Board};
 
-/// The micromotor with springs that fixed point steps: straight and without damping.
 fn joint() -> Joint<Fixed, 2> {
-    let stages = gear().map(|stage| Stage {
-        cubic_stiffness_nm_per_rad3: 0.0,
-        damping_nm_s_per_rad: 0.0,
-        ..stage
-    });
     let mut settings = Settings::new(Drive::Voltage, 50e-6);
     settings.micro_steps = Some(1);
-    Joint::<Fixed, 2>::new(&motor(), &stages, &Load::default(), &settings).unwrap()
+    Joint::<Fixed, 2>::new(&motor(), &plain_gear(), &Load::default(), &settings).unwrap()
 }
 
 #[test]

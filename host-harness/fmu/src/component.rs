@@ -85,6 +85,9 @@ impl Component {
         if !start_s.is_finite() {
             return Err(JointError("the start time is no finite number".to_owned()));
         }
+        if self.running.is_some() {
+            return Err(JointError("the start time is fixed once initialised".to_owned()));
+        }
         self.start_s = start_s;
         Ok(())
     }
