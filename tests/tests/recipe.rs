@@ -143,7 +143,8 @@ const LINKED: [&str; 2] = ["\"cdylib\", ", "\"staticlib\", "];
 /// not take the place of the workspace's in the build folder that they share. A library that is to be linked by
 /// others has one name in all versions; the copy's are for Rust alone.
 fn with_own_version(mut files: Tree) -> Tree {
-    let own = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));
+    let [own, other] =
+        ["", "-recipe"].map(|mark| format!("version = \"{}{mark}\"", env!("CARGO_PKG_VERSION")));
     // Packages of the workspace ask for each other by version as well as by path.
     let manifests =
         files.keys().filter(|path| path.file_name().is_some_and(|own| own == "Cargo.toml"));
@@ -154,7 +155,7 @@ fn with_own_version(mut files: Tree) -> Tree {
         // A package of a registry has a source, one of the workspace none.
         let packages = text.split("\n\n").map(|package| match package.contains("\nsource = ") {
             true => package.to_owned(),
-            false => package.replace(&own, "version = \"0.0.0-recipe\""),
+            false => package.replace(&own, &other),
         });
         let own = packages.collect::<Vec<_>>().join("\n\n");
         *bytes = LINKED.iter().fold(own, |own, kind| own.replace(kind, "")).into_bytes();

@@ -185,6 +185,8 @@ const fn number(version: &[u8]) -> u32 {
     let (mut all, mut part, mut k) = (0, 0, 0);
     while k < version.len() {
         match version[k] {
+            // What marks a build of its own is no number.
+            b'-' | b'+' => break,
             b'.' => (all, part) = ((all + part) << 8, 0),
             digit => part = part * 10 + (digit - b'0') as u32,
         }

@@ -188,6 +188,14 @@ fn a_state_goes_on_to_the_bit_in_another_instance_and_through_bytes() {
 }
 
 #[test]
+fn a_start_before_zero_that_was_set_goes_through_bytes() {
+    let (own, other) = (Fmu::new(), Fmu::new());
+    // SAFETY: as in `step`.
+    assert_eq!(unsafe { fmi2SetupExperiment(own.0, 0, 0.0, -5.0, 0, 0.0) }, OK);
+    assert_eq!(other.restore(&own.bytes()), OK);
+}
+
+#[test]
 fn bytes_that_are_no_state_are_refused_and_nothing_changes() {
     let own = Fmu::started();
     own.set(VOLTAGE, 2.0);
