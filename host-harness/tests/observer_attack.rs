@@ -11,6 +11,7 @@ use joint_core::number::Number;
 use joint_core::observer::{Observer, Sample, Status, Track, Turn};
 use joint_core::per_unit::Bases;
 use joint_core::scalar::Real;
+use joint_tests::random::Random;
 
 /// Updates in a second.
 const RATE: u32 = (1.0 / counted::STEP_S) as u32;
@@ -20,28 +21,6 @@ const RECOVERED: u32 = RATE * 9 / 10;
 /// What the observer is designed for, and no more: beyond it resistance and flux are learned too fast.
 const VOLTS: f64 = 0.7;
 const LOAD_NM: f64 = 0.01;
-
-/// SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014).
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: u32) -> u32 {
-        (self.bits() % u64::from(end)) as u32
-    }
-
-    /// Between zero and one.
-    fn share(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
@@ -214,11 +193,11 @@ fn soak<S: Real>(seconds: u32, seed: u64) -> Counts {
     let mut before = Sample::default();
     let (mut volts, mut load, mut zero) = (0.0, 0.0, false);
     for second in 0..seconds {
-        let fault = Fault::ALL[random.below(Fault::ALL.len() as u32) as usize];
+        let fault = Fault::ALL[random.below(Fault::ALL.len())];
         counts.faults[fault as usize] += 1;
         let begin = RATE / 10;
         let longest = if random.below(2) == 0 { 8 } else { LONGEST };
-        let end = begin + 1 + random.below(longest);
+        let end = begin + 1 + random.below(longest as usize) as u32;
         let (mut told, mut at_end, mut begun_anew) = (Status::OK, Status::OK, false);
         let (mut load_error, mut judged) = (0.0_f64, 0.0_f64);
         let mut speed_error = 0.0_f64;
@@ -233,8 +212,8 @@ fn soak<S: Real>(seconds: u32, seed: u64) -> Counts {
             }
             // What is told is what is put out from this sample on.
             if k % (RATE / 20) == 0 {
-                volts = VOLTS * (2.0 * random.share() - 1.0);
-                load = LOAD_NM * (2.0 * random.share() - 1.0);
+                volts = VOLTS * random.signed();
+                load = LOAD_NM * random.signed();
             }
             let clean = plant.sample::<S>(volts, &mut random);
             if std::mem::take(&mut zero) {
@@ -317,7 +296,7 @@ fn a_load_that_jumps_behind_a_held_rotor_does_not_ring() {
     let unit = unit.shaft(2) / unit.torque;
     for jump in 0..2000 {
         let volts = 0.2 * (random.share() - 0.5);
-        let load = LOAD_NM * (2.0 * random.share() - 1.0);
+        let load = LOAD_NM * random.signed();
         let (input, mut squares) = (plant.input(volts, load), 0.0);
         for k in 0..1000 {
             plant.joint.step(&mut plant.state, input);

@@ -5,6 +5,9 @@
 
 #![allow(unsafe_code, reason = "what is called is C's interface")]
 
+#[path = "one_stage.rs"]
+mod one_stage;
+
 use std::ffi::{CString, c_uint};
 use std::fs;
 use std::path::PathBuf;
@@ -15,11 +18,11 @@ use joint::{
     Estimate, JOINT_BLOCK_EFFECTS, JOINT_BLOCK_EMPTY, JOINT_NOT_INITIALISED, JOINT_OK, Joint,
     Sample, joint_estimate, joint_init, joint_update,
 };
-use joint_core::params::{Friction, Load, Motor, Stage};
 use joint_fmu::functions::*;
-use joint_fmu::{Input, Joint as Described, guid};
+use joint_fmu::{Joint as Described, guid};
 
 use super::with_checksum;
+use one_stage::one_stage;
 
 /// What the calls are read from; zeros where the bytes end.
 struct Bytes<'a>(&'a [u8]);
@@ -136,42 +139,6 @@ fn updated(joint: &mut Joint, sample: &Sample, ready: bool) {
     assert!(all.iter().all(|number| number.is_finite()), "{estimate:?} of {sample:?}");
 }
 
-/// A joint with one stage.
-fn described() -> Described {
-    let friction = Friction {
-        sigma0_nm_per_rad: 0.05,
-        sigma1_nm_s_per_rad: 5e-7,
-        sigma2_nm_s_per_rad: 5e-9,
-        coulomb_nm: 9e-6,
-        stribeck_nm: 2e-6,
-        stribeck_velocity_rad_per_s: 50.0,
-    };
-    let motor = Motor {
-        phase_resistance_ohm: 4.55,
-        phase_inductance_h: 13e-6,
-        torque_constant_nm_per_a: 1.38e-3,
-        rotor_inertia_kg_m2: 9.5e-10,
-        friction,
-        ..Motor::default()
-    };
-    let stage = Stage {
-        reduction: 32.0,
-        inertia_kg_m2: 8e-7,
-        stiffness_nm_per_rad: 15.0,
-        friction,
-        ..Stage::default()
-    };
-    Described {
-        name: "fuzzed".to_owned(),
-        input: Input::Voltage,
-        period_s: 50e-6,
-        motor,
-        stage: vec![stage],
-        load: Load { inertia_kg_m2: 1e-7, ..Load::default() },
-        effect: Vec::new(),
-    }
-}
-
 /// An instance of the FMU with a copy of its state, both freed at the end.
 struct Fmu {
     own: *mut Instance,
@@ -195,7 +162,7 @@ pub(crate) fn fmu(bytes: &[u8]) {
         None => (&b""[..], bytes),
     };
     let file = match std::str::from_utf8(file) {
-        Ok("") => described().text(),
+        Ok("") => one_stage(50e-6).text(),
         Ok(text) => text.to_owned(),
         Err(_) => return,
     };

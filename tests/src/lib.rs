@@ -9,6 +9,7 @@ pub mod drive;
 pub mod elf;
 pub mod python;
 pub mod qemu;
+pub mod random;
 
 use std::io::Write;
 

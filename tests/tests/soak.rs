@@ -20,6 +20,7 @@ use joint_core::scalar::Real;
 use joint_core::telemetry::frame::CRC32;
 use joint_tests::drive::{COUNTS, PERIOD_S, motor, observer, plain_gear};
 use joint_tests::qemu::{self, Board};
+use joint_tests::random::Random;
 
 /// Updates in a second.
 const RATE: usize = 20_000;
@@ -37,28 +38,6 @@ const LOAD_NM: f64 = 0.004;
 /// A rotor's speed of a hundred units is a new start, and the mass behind the second stage, 1,245 times lighter at
 /// the motor, may take its energy: 110 √1245.
 const MOST: f64 = 4000.0;
-
-/// SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014).
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.bits() % end as u64) as usize
-    }
-
-    /// Between −1 and 1.
-    fn signed(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {

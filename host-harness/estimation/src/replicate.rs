@@ -19,7 +19,7 @@ use joint_simulation::lanes::LANES;
 use joint_simulation::model::Model;
 use joint_simulation::plant::{BuildError, Layout, plant};
 
-/// RMS of whitened innovations from which on a replicate is thrown: a right filter leaves one.
+/// RMS of whitened innovations from which on a replicate has diverged: a right filter leaves one.
 const THROWN: f64 = 5.0;
 
 /// A replicate of a record.
@@ -93,7 +93,7 @@ pub fn replicate(
 }
 
 /// Innovations that a model leaves on replicates of its own, as far as the problem fits, with the gains of the
-/// record's filter: replicates differ from it by noise alone. Where noise throws a replicate, or the filter on it, they
+/// record's filter: replicates differ from it by noise alone. Where a replicate diverges, or the filter on it, they
 /// are what every right filter leaves: white, of variance one.
 ///
 /// # Errors
@@ -119,11 +119,11 @@ pub fn null_innovations(
     let mut all: Vec<Rows> =
         together.flat_map_iter(|observers| abreast::innovations(observers, gains)).collect();
     for ((rows, replicate), seed) in all.iter_mut().zip(&replicates).zip(seeds) {
-        let thrown =
+        let diverged =
             !replicate.measured.iter().zip(&problem.record.measured).all(|(own, given)| {
                 own.iter().zip(given).all(|(own, given)| own.is_finite() || !given.is_finite())
             });
-        if thrown || is_thrown(rows) {
+        if diverged || has_diverged(rows) {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             for (row, measured) in rows.iter_mut().zip(&problem.record.measured) {
                 *row = measured.map(|value| match value.is_finite() {
@@ -137,7 +137,7 @@ pub fn null_innovations(
 }
 
 /// Whether whitened innovations are beyond what any right filter leaves.
-fn is_thrown(rows: &Rows) -> bool {
+fn has_diverged(rows: &Rows) -> bool {
     let squares = rows.iter().flatten().filter(|e| **e != 0.0).map(|e| e * e);
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), e| (sum + e, count + 1.0));
     sum.is_nan() || sum > THROWN * THROWN * count
@@ -158,8 +158,8 @@ mod tests {
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
         let wild = Noise { torque, ..expected(&model, &record) };
-        let thrown = replicate(&model, &record, &wild, 1).unwrap();
-        let finite = thrown.measured.iter().flatten().all(|value| value.is_finite());
+        let diverged = replicate(&model, &record, &wild, 1).unwrap();
+        let finite = diverged.measured.iter().flatten().all(|value| value.is_finite());
         let gains = problem.design(&model, &expected(&model, &record)).unwrap().gains;
         let rows = null_innovations(&model, &problem, &wild, &gains, 1..2).unwrap().remove(0);
         let seen: Vec<f64> = rows.iter().flatten().copied().filter(|e| *e != 0.0).collect();

@@ -3,14 +3,17 @@
 
 #![allow(unsafe_code, reason = "what is called is C's interface")]
 
+#[path = "../../../tests/fuzz/one_stage.rs"]
+mod one_stage;
+
 use std::ffi::CString;
 use std::fs;
 use std::ptr::{null, null_mut};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use joint_core::params::{Friction, Load, Motor, Stage};
 use joint_fmu::functions::*;
-use joint_fmu::{Input, Joint, guid};
+use joint_fmu::{Joint, guid};
+use one_stage::one_stage;
 
 const PERIOD_S: f64 = 50e-6;
 const STEPS: u32 = 2000;
@@ -19,38 +22,7 @@ const VOLTAGE: u32 = 0;
 const OUTPUTS: std::ops::Range<u32> = 2..17;
 
 fn joint() -> Joint {
-    let friction = Friction {
-        sigma0_nm_per_rad: 0.05,
-        sigma1_nm_s_per_rad: 5e-7,
-        sigma2_nm_s_per_rad: 5e-9,
-        coulomb_nm: 9e-6,
-        stribeck_nm: 2e-6,
-        stribeck_velocity_rad_per_s: 50.0,
-    };
-    let motor = Motor {
-        phase_resistance_ohm: 4.55,
-        phase_inductance_h: 13e-6,
-        torque_constant_nm_per_a: 1.38e-3,
-        rotor_inertia_kg_m2: 9.5e-10,
-        friction,
-        ..Motor::default()
-    };
-    let stage = Stage {
-        reduction: 32.0,
-        inertia_kg_m2: 8e-7,
-        stiffness_nm_per_rad: 15.0,
-        friction,
-        ..Stage::default()
-    };
-    Joint {
-        name: "one_stage".to_owned(),
-        input: Input::Voltage,
-        period_s: PERIOD_S,
-        motor,
-        stage: vec![stage],
-        load: Load { inertia_kg_m2: 1e-7, ..Load::default() },
-        effect: Vec::new(),
-    }
+    one_stage(PERIOD_S)
 }
 
 /// An instance, freed at its end.

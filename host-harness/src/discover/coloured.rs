@@ -76,8 +76,7 @@ pub(super) fn beside_disturbance(
     }
     let Stage { fit, origin } = &found.before;
     other.before = begun(&problem, origin, fit, &found.expected)?;
-    let of_use = other.before.fit.noise.is_disturbed() || excess(found) > LOST;
-    if !of_use {
+    if !other.before.fit.noise.is_disturbed() && excess(found) <= LOST {
         return Ok(None);
     }
     if other.rounds.is_empty() {

@@ -7,9 +7,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::Case;
-use super::blind::{Trial, rig, told};
+use super::blind::{Trial, rig};
 use super::misfits::Misfits;
-use super::wide::{SIZES, another_family, answer, effects_of, hide};
+use super::wide::{SIZES, another_family, answer, effects_of, hide, told_with};
 use crate::discover::findings::Answer;
 use crate::reference::ReferenceError;
 use crate::synthetic::{
@@ -61,15 +61,10 @@ pub fn trial(seed: u64, number: u64) -> Result<Trial, ReferenceError> {
     let right = answer(number);
     let withdrawn = effects.first().filter(|_| right == Answer::Unknown).map(|effect| effect.kind);
     let record = record_wide(&truth, &setting, random.random())?;
-    let seen = effects.iter().zip(&record.signal_to_noise).map(|(effect, ratio)| {
-        let mut told = told(effect);
-        told.signal_to_noise = Some(*ratio);
-        told
-    });
     let case = Case {
         case: format!("{number:04}"),
         verdict: right.name().to_owned(),
-        effects: seen.collect(),
+        effects: told_with(&effects, &record.signal_to_noise),
         size: (!effects.is_empty()).then_some(size),
         withdrawn: withdrawn.map(|kind| kind.spec().kind.to_owned()),
         misfits: Some(Misfits::of(&truth, &setting, ERRORS[1], vec![1.0])),

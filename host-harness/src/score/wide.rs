@@ -10,9 +10,9 @@ use joint_core::params::Location;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::Case;
 use super::blind::{Trial, rig, told};
 use super::misfits::{Misfits, breakaway_at_output_nm, rubbing_otherwise};
+use super::{Case, TrueEffect};
 use crate::discover::findings::Answer;
 use crate::discover::hidden::{hidden, kinds, kinds_of_wide_draws};
 use crate::model::Model;
@@ -151,12 +151,7 @@ pub fn trial(seed: u64, number: u64, rigs: Rigs) -> Result<Trial, ReferenceError
             levels.push(level);
         }
     }
-    let effects = effects.iter().zip(&first.signal_to_noise).map(|(effect, ratio)| {
-        let mut told = told(effect);
-        told.signal_to_noise = Some(*ratio);
-        told
-    });
-    let mut effects: Vec<_> = effects.collect();
+    let mut effects = told_with(&effects, &first.signal_to_noise);
     let reported = filtered(&setting).map(|lag| told(&lag));
     let right = match (answer(number), &reported) {
         (Answer::Adequate, Some(_)) => Answer::Effect,
@@ -176,6 +171,12 @@ pub fn trial(seed: u64, number: u64, rigs: Rigs) -> Result<Trial, ReferenceError
 
 fn log_uniform([from, to]: [f64; 2], random: &mut impl Rng) -> f64 {
     from * (to / from).powf(random.random())
+}
+
+/// The effects of a case's truth, each with its signal over the noise.
+pub(super) fn told_with(effects: &[EffectParameters], signal_to_noise: &[f64]) -> Vec<TrueEffect> {
+    let pairs = effects.iter().zip(signal_to_noise);
+    pairs.map(|(own, ratio)| TrueEffect { signal_to_noise: Some(*ratio), ..told(own) }).collect()
 }
 
 /// The filter of the current's report, where it is longer than a sample.
