@@ -1,5 +1,5 @@
 //! A soak on the emulated chip: a minute of control periods with a fault in every second, in f32 and in fixed
-//! point. The chip's estimates are the host's to the bit, and the host's are finite and bounded.
+//! point. The chip's estimates are the host's to the bit, and the host's are finite, with the rotor within its bound.
 //!
 //! `cargo test --release -p joint-tests --test soak -- --ignored --nocapture` runs it; ten seconds of it are in
 //! every build, on the host alone.
@@ -35,9 +35,10 @@ const LONGEST: usize = RATE / 4;
 const VOLTS: f64 = 0.7;
 const LOAD_NM: f64 = 0.004;
 
-/// A rotor's speed of a hundred units is a new start, and the mass behind the second stage, 1,245 times lighter at
-/// the motor, may take its energy: 110 √1245.
-const MOST: f64 = 4000.0;
+/// The observer starts anew beyond a rotor's speed of a hundred units, and may pass them in one step. What its other
+/// estimates may reach is asked of gains that were designed (`host-harness/tests/observer_attack.rs`); these are put by
+/// hand.
+const MOST_ROTOR: f64 = 110.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
@@ -148,7 +149,7 @@ fn log(seed: u64) -> (Vec<Sample<f32>>, Vec<Fault>) {
     (samples, faults)
 }
 
-/// What the host makes of the samples: every number finite and bounded, every fault told that can be, and its
+/// What the host makes of the samples: every number finite, the rotor bounded, every fault told that can be, and its
 /// flags gone at the second's end.
 fn observed<S: Real>(
     samples: impl Iterator<Item = Sample<S>>,
@@ -166,10 +167,10 @@ fn observed<S: Real>(
         let motions =
             [e.motor_velocity, e.output_velocity, e.output_part, e.windup[0], e.windup[1]];
         let torques = [e.motor_friction, e.total_friction, e.load, e.spread.load];
-        for number in motions.into_iter().chain(torques) {
-            let bounded = number.to_f64().abs() < MOST;
-            assert!(bounded, "{fault:?}, update {k}: {number:?} of {e:?}, {status}");
-        }
+        let mut all = motions.into_iter().chain(torques).map(Number::to_f64);
+        let finite = all.all(f64::is_finite);
+        let bounded = e.motor_velocity.to_f64().abs() < MOST_ROTOR;
+        assert!(finite && bounded, "{fault:?}, update {k}: {e:?}, {status}");
         put(&observer, &track);
         told = match at {
             BEGIN => status,
@@ -228,7 +229,7 @@ fn folder(name: &str, parameters: &[u8], records: &[u8]) -> PathBuf {
 }
 
 #[test]
-fn ten_seconds_with_a_fault_in_each_are_finite_bounded_and_told() {
+fn ten_seconds_with_a_fault_in_each_are_finite_and_told() {
     let (records, rows) = host(1);
     let (fixed, _) = host_fixed(1);
     assert_eq!((records.len(), fixed.len()), (20 * SECONDS * RATE, 20 * SECONDS * RATE));
