@@ -52,7 +52,7 @@ pub fn identified(
     let record = coarse.refined(micro_steps(model, coarse.grid.interval(0)).max(2));
     let mask = vec![1.0; record.len()];
     let fitted = |record: &Record| refit::refit(&Problem::new(record, &mask).cautious(), model);
-    let (record, mut fit) = asked(model, record, fitted)?;
+    let (record, mut fit) = asked(model, record, &mask, fitted)?;
     let problem = Problem::new(&record, &mask).cautious();
     let Some(window_s) = window_s else {
         let rows = rows(model, &fit, &problem.covariance(&fit));

@@ -70,6 +70,29 @@ pub fn coloured(
     Ok(best)
 }
 
+/// Whether what the drive does at a noise beside what it is told is white: no disturbance that is correlated in time
+/// makes the record likelier.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn drive_is_white(
+    problem: &Problem<'_>,
+    model: &Model,
+    expected: &Noise,
+    noise: &Noise,
+) -> Result<bool, BuildError> {
+    let mut along = Cow::Owned(Linearisation::default());
+    let noise = refine_along(problem, &mut along, model, expected, noise)?;
+    let white = problem.deviance_along(&along, model, &noise)?;
+    let bound = 2.0 * problem.mask.iter().sum::<f64>().max(2.0).ln();
+    let coloured = times(problem.record).collect::<Vec<_>>().into_par_iter().map(|correlation_s| {
+        let begun = begun(problem.record, expected, &noise, Disturbed::Drive, correlation_s);
+        tried(problem, &along, model, expected, &begun)
+    });
+    let coloured = coloured.collect::<Result<Vec<_>, _>>()?;
+    Ok(coloured.into_iter().all(|(coloured, _)| white - coloured <= bound))
+}
+
 /// The same with a noise of the reversal or without, whichever this record asks for by more than one number
 /// should.
 fn reversing(
@@ -219,6 +242,27 @@ mod tests {
         // Asked again, it stays.
         let again = coloured(&problem, &model, &expected, &found).unwrap();
         assert!((again.reversal / found.reversal).ln().abs() < 0.1, "{again:?} {found:?}");
+    }
+
+    #[test]
+    fn what_reversals_bring_behind_the_gear_is_felt_there() {
+        let with = |expected: Noise| Noise { reversal: 20.0 * expected.torque, ..expected };
+        let (model, record, ..) = replicate(with);
+        let plant = joint_simulation::plant::plant(&model, &record.grid, record.drive).unwrap();
+        let shares = |model: &Model, speed: f64| {
+            let observer = crate::filter::Observer::new(model, &*plant, &record);
+            let mut state = observer.start(0, observer.layout.len(), |_| None);
+            state[observer.layout.speed(0)] = speed;
+            observer.reversing(&state)
+        };
+        let [rotor, last] = shares(&model, 0.0).map(f64::sqrt);
+        assert!(rotor > 0.0 && last > 0.0 && (rotor + last - 1.0).abs() < 1e-12);
+        // Each mass by its own speed.
+        let [moving, still] = shares(&model, 1e3).map(f64::sqrt);
+        assert!(moving < 0.1 * rotor && still == last);
+        let mut smooth = model.clone();
+        smooth.stages[0].friction = Default::default();
+        assert_eq!(shares(&smooth, 0.0), [1.0, 0.0]);
     }
 
     #[test]

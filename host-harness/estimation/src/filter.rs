@@ -10,7 +10,8 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use joint_core::effect::{Kind, MEMORIES, Memory};
-use joint_core::params::Location;
+use joint_core::params::{Friction, Location};
+use joint_core::per_unit::Bases;
 use joint_core::scalar::Scalar;
 
 use crate::covariance::Covariance;
@@ -71,6 +72,43 @@ impl Lag {
     }
 }
 
+/// How a mass feels a noise of the reversal.
+#[derive(Clone, Copy, Debug)]
+struct Reversal {
+    /// Share of the noise's variance that it feels where it stands still.
+    share: f64,
+    /// Speed at which its friction falls, reflected to the motor, rad/s.
+    slow: f64,
+}
+
+impl Reversal {
+    /// On the rotor and on the last mass, as their breakaway torques are.
+    fn of(model: &Model, inertia: &[f64]) -> [Self; 2] {
+        let bases = Bases::si(&model.motor, &model.stages);
+        let last = match (model.stages.last(), inertia.last()) {
+            (Some(stage), Some(inertia)) if *inertia > 0.0 => Some(&stage.friction),
+            _ => None,
+        };
+        let shaft = bases.shaft(model.stages.len()).abs();
+        let rotor = model.motor.friction.breakaway_nm();
+        let behind = last.map_or(0.0, |friction| friction.breakaway_nm() * shaft);
+        let [rotor, behind] = match rotor + behind > 0.0 {
+            true => [rotor / (rotor + behind), behind / (rotor + behind)],
+            false => [1.0, 0.0],
+        };
+        let slow = |friction: &Friction, shaft| friction.stribeck_velocity_rad_per_s / shaft;
+        [
+            Self { share: rotor * rotor, slow: slow(&model.motor.friction, 1.0) },
+            Self { share: behind * behind, slow: last.map_or(1.0, |own| slow(own, shaft)) },
+        ]
+    }
+
+    /// Share of the variance at a speed.
+    fn felt(self, speed: f64) -> f64 {
+        self.share / (1.0 + (speed / self.slow).powi(2))
+    }
+}
+
 /// A joint seen through its sensors.
 pub struct Observer<'a> {
     pub(super) plant: &'a dyn Plant,
@@ -78,8 +116,8 @@ pub struct Observer<'a> {
     pub(super) layout: Layout,
     pub(super) shaft: f64,
     inertia: Vec<f64>,
-    /// Speed of the rotor at which its friction falls, rad/s.
-    slow: f64,
+    /// Of the rotor and of the last mass: how they feel a noise of the reversal.
+    reversals: [Reversal; 2],
     pub(super) known: Known,
     pub(super) late: Late<'a>,
     /// Whether the model's encoders err.
@@ -97,6 +135,7 @@ impl<'a> Observer<'a> {
     pub fn new(model: &Model, plant: &'a dyn Plant, record: &'a Record) -> Self {
         let layout = Layout::of(model);
         let inertia = inertias(model);
+        let reversals = Reversal::of(model, &inertia);
         let known = Known::of(model);
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
@@ -121,7 +160,7 @@ impl<'a> Observer<'a> {
             layout,
             shaft,
             inertia,
-            slow: model.motor.friction.stribeck_velocity_rad_per_s,
+            reversals,
             known,
             late,
             sensor_errors,
@@ -428,9 +467,10 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Share of the variance at standstill that a noise of the reversal has in a state.
-    pub(super) fn reversing(&self, x: &[f64]) -> f64 {
-        1.0 / (1.0 + (x[self.layout.speed(0)] / self.slow).powi(2))
+    /// Share of its variance that a noise of the reversal has in a state, on the rotor and on the last mass.
+    pub(super) fn reversing(&self, x: &[f64]) -> [f64; 2] {
+        let [rotor, last] = self.reversals;
+        [rotor.felt(x[self.layout.speed(0)]), last.felt(x[self.layout.speed(self.layout.stages)])]
     }
 
     /// A torque held over an interval, on a mass that is otherwise free.

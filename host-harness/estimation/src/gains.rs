@@ -106,8 +106,9 @@ pub struct Noise {
     pub drive: f64,
     /// Torque on the rotor beside the known ones, Nm, held for a sample.
     pub torque: f64,
-    /// Torque on the rotor beside the known ones where it stands still, Nm, held for a sample: what a friction law
-    /// that is another near the reversal makes.
+    /// Torque beside the known ones where the joint stands still, Nm at the motor, held for a sample: what a
+    /// friction law that is another near the reversal makes. Rotor and last mass feel it as their breakaway torques
+    /// are.
     pub reversal: f64,
     /// Torque on the last mass beside the known ones, reflected to the motor, Nm, held for a sample; zero
     /// where the output is taken to feel nothing of its own.

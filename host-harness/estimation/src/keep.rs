@@ -28,8 +28,8 @@ pub(super) struct Passed<'a> {
     pub(super) drive: &'a [f64],
     pub(super) kick: &'a [f64],
     pub(super) behind: &'a [f64],
-    /// Share of the variance at standstill that a noise of the reversal has.
-    pub(super) reversing: f64,
+    /// Share of its variance that a noise of the reversal has on the rotor and on the last mass.
+    pub(super) reversing: [f64; 2],
     /// How long it is, s.
     pub(super) interval: f64,
 }

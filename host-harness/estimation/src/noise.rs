@@ -88,7 +88,7 @@ pub fn expected(model: &Model, record: &Record) -> Noise {
         Drive::Current => model.sensor.current_noise_a * constant,
     };
     Noise {
-        drive: (2e-3 * largest).max(1e-9),
+        drive: (2e-3 * largest).max(record.drive_noise).max(1e-9),
         torque: felt(breakaway).hypot(brought),
         reversal: 0.0,
         output: if record.output_disturbed && stages > 0 { felt(last) } else { 0.0 },

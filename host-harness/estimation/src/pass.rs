@@ -180,13 +180,14 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         scratch.column[..n].copy_from_slice(by_drive);
         p.add_square(noise.drive * noise.drive, &scratch.column);
         scratch.reversing = observer.reversing(x);
-        let felt = noise.torque.powi(2) + scratch.reversing * noise.reversal.powi(2);
-        p.add_square(felt, kick);
-        if noise.output > 0.0 {
+        let [rotor, last] = scratch.reversing.map(|share| share * noise.reversal.powi(2));
+        p.add_square(noise.torque.powi(2) + rotor, kick);
+        let last = noise.output.powi(2) + last;
+        if last > 0.0 {
             let behind = &mut scratch.behind;
             behind.fill(0.0);
             observer.push(behind, observer.layout.stages, 1.0, interval);
-            p.add_square(noise.output * noise.output, behind);
+            p.add_square(last, behind);
         }
         for (j, walk) in walks.iter().enumerate() {
             p.add_variance(n + j, walk.gained(interval));
@@ -201,7 +202,7 @@ struct Scratch {
     steps: Vec<f64>,
     kick: Vec<f64>,
     behind: Vec<f64>,
-    reversing: f64,
+    reversing: [f64; 2],
     transition: Transition,
 }
 
@@ -214,7 +215,7 @@ impl Scratch {
             steps: Vec::with_capacity(order + 1),
             kick: vec![0.0; order],
             behind: vec![0.0; order],
-            reversing: 0.0,
+            reversing: [0.0; 2],
             transition: Transition::none(order),
         }
     }

@@ -68,6 +68,8 @@ pub struct Record {
     pub motions: Vec<Motion>,
     /// Whether the output is taken to feel a disturbance of its own.
     pub output_disturbed: bool,
+    /// White noise of its drive, V, where that is more than one expects; zero where nothing says so.
+    pub drive_noise: f64,
     /// What its encoders scatter by, told from their readings.
     pub(super) scatter: [Option<Scatter>; CHANNELS],
     /// By sample: variance that the clock's jitter adds to a reading, rad²; empty where it adds none.
@@ -189,6 +191,7 @@ impl Record {
             cuts,
             motions: Vec::new(),
             output_disturbed: false,
+            drive_noise: 0.0,
             scatter: [None; CHANNELS],
             jitter: Vec::new(),
         }
@@ -239,6 +242,7 @@ impl Record {
             cuts,
             motions: Vec::new(),
             output_disturbed: self.output_disturbed,
+            drive_noise: self.drive_noise,
             scatter: self.scatter,
             jitter: match self.jitter.is_empty() {
                 true => Vec::new(),

@@ -83,10 +83,11 @@ pub fn replicate(
         for (value, walk) in disturbances.iter_mut().zip(&walks) {
             *value = walk.kept(interval) * *value + walk.gained(interval).sqrt() * normal();
         }
-        let felt = noise.torque.hypot(observer.reversing(&state).sqrt() * noise.reversal);
-        observer.push(&mut state, 0, felt * normal(), interval);
-        if noise.output > 0.0 {
-            observer.push(&mut state, layout.stages, noise.output * normal(), interval);
+        let reversing = observer.reversing(&state).map(|share| share.sqrt() * noise.reversal);
+        let [rotor, last] = [noise.torque.hypot(reversing[0]), noise.output.hypot(reversing[1])];
+        observer.push(&mut state, 0, rotor * normal(), interval);
+        if last > 0.0 {
+            observer.push(&mut state, layout.stages, last * normal(), interval);
         }
     }
     Ok(replicate)

@@ -207,7 +207,13 @@ impl Keep for Scoring<'_> {
             match source {
                 Source::Drive => covariance.add_square(twice, drive),
                 Source::Torque => covariance.add_square(twice, kick),
-                Source::Reversal => covariance.add_square(twice * reversing, kick),
+                Source::Reversal => {
+                    let [rotor, last] = reversing.map(|share| twice * share);
+                    covariance.add_square(rotor, kick);
+                    if last > 0.0 {
+                        covariance.add_square(last, behind);
+                    }
+                }
                 Source::Output => covariance.add_square(twice, behind),
                 Source::Sensor(_) => {}
                 Source::Coloured(_) => {

@@ -11,7 +11,7 @@ enum Event {
     Began,
     Measured { sample: usize, channel: Channel, innovation: f64, variance: f64 },
     Taken { sample: usize, channel: usize, error: f64, weight: f64 },
-    Passed { reversing: f64, interval: f64 },
+    Passed { reversing: [f64; 2], interval: f64 },
 }
 
 /// A stretch of a filter's way, without its states and gains.

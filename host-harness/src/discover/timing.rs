@@ -41,7 +41,7 @@ pub(super) fn search_timed(
         let scout = Scout::of(record, fitted, nominal);
         refit(&Problem::new(record, fitted).scouted(scout.as_ref()), nominal)
     };
-    let (mut record, mut fit) = asked(nominal, record, refitted)?;
+    let (mut record, mut fit) = asked(nominal, record, fitted, refitted)?;
     if record.drive == Drive::Current
         && record.lead_s == 0.0
         && acts_ahead(&Problem::new(&record, fitted), nominal, &fit)
