@@ -27,15 +27,15 @@ const UNCONFIRMED: f64 = 0.5;
 const TOLERANCE: f64 = 0.01;
 
 /// The answer. Where nothing has a name, a disturbance that is more than a joint's own makes it unknown: what
-/// drives the joint is then not known. A remainder that is no noise makes it unknown where it is predictable and
-/// matters, where the model fails on samples that no fit has seen, or where nobody could look; a disturbance that
-/// follows nothing is no law that is missing.
+/// drives the joint is then not known. So does what is predictable and matters; and a remainder that is no noise,
+/// where the model fails on samples that no fit has seen, or where nobody could look. A disturbance that follows
+/// nothing is no law that is missing.
 pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -> Answer {
-    let harmless = budget.is_some_and(|budget| !matters(budget));
     let noise = left.complaints(!named).is_empty();
     match named {
         false if left.is_driven() => Answer::Unknown,
-        _ if !noise && (!harmless || left.fails_unseen()) => Answer::Unknown,
+        _ if budget.is_some_and(matters) => Answer::Unknown,
+        _ if !noise && (budget.is_none() || left.fails_unseen()) => Answer::Unknown,
         true => Answer::Effect,
         false => Answer::Adequate,
     }
@@ -197,9 +197,10 @@ mod tests {
         let of = |share| Budget { unnamed: 0.1, unnamed_of_drive: share, ..Budget::default() };
         let (little, much) = (of(Some(0.5 * TOLERANCE)), of(Some(2.0 * TOLERANCE)));
         for (named, told) in [(true, Answer::Effect), (false, Answer::Adequate)] {
-            assert_eq!(answered(named, &quiet, Some(&much)), told);
+            assert_eq!(answered(named, &quiet, Some(&little)), told);
+            assert_eq!(answered(named, &quiet, None), told);
             assert_eq!(answered(named, &loud, Some(&little)), told);
-            assert_eq!(answered(named, &loud, Some(&much)), Answer::Unknown);
+            assert_eq!(answered(named, &quiet, Some(&much)), Answer::Unknown);
             assert_eq!(answered(named, &loud, Some(&of(None))), Answer::Unknown);
             assert_eq!(answered(named, &failing, Some(&little)), Answer::Unknown);
             assert_eq!(answered(named, &loud, None), Answer::Unknown);
