@@ -41,9 +41,11 @@ pub(super) fn answered(named: bool, left: &Remainder, budget: Option<&Budget>) -
     }
 }
 
-/// Whether what is predictable and has no name is more than a model is allowed to miss.
+/// Whether what is predictable and has no name is more than a model is allowed to miss, beyond its standard error.
 pub(super) fn matters(budget: &Budget) -> bool {
-    budget.unnamed > 0.0 && budget.unnamed_of_drive.is_none_or(|share| share > TOLERANCE)
+    let Budget { unnamed, unnamed_error, unnamed_of_drive, .. } = budget;
+    let sure = ((unnamed - SIGMAS * unnamed_error) / unnamed).max(0.0).sqrt();
+    *unnamed > 0.0 && unnamed_of_drive.is_none_or(|share| sure * share > TOLERANCE)
 }
 
 /// What the effects explain in proportion, and how both models run free, on samples that no fit has seen.
@@ -204,6 +206,9 @@ mod tests {
             assert_eq!(answered(named, &loud, Some(&of(None))), Answer::Unknown);
             assert_eq!(answered(named, &failing, Some(&little)), Answer::Unknown);
             assert_eq!(answered(named, &loud, None), Answer::Unknown);
+            // A share that is no more certain than this might be half as large.
+            let unsure = Budget { unnamed_error: 0.05, ..much.clone() };
+            assert_eq!(answered(named, &quiet, Some(&unsure)), told);
         }
         // Where nothing has a name, more than friction wanders by is a cause that is not known.
         let driven = Remainder { disturbed: 20.0, ..quiet };

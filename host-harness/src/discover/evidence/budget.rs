@@ -31,6 +31,8 @@ pub struct Budget {
     pub named: f64,
     /// What still follows a coordinate of the joint, and has no name.
     pub unnamed: f64,
+    /// One standard error of it.
+    pub unnamed_error: f64,
     /// What is correlated in time but follows nothing: disturbance that this log cannot predict.
     pub coloured: f64,
     /// What sensors and white noise leave in the same estimate.
@@ -158,7 +160,8 @@ fn split(
         taken
     };
     let rest = 1.0 - named;
-    let unnamed_share = take(rest * unnamed.map_or(0.0, |unnamed| unnamed.share.value));
+    let Share { value, error } = unnamed.map_or(Share::default(), |unnamed| unnamed.share);
+    let unnamed_share = take(rest * value);
     let white = take(if before > 0.0 { white / before } else { 1.0 });
     let coloured = take(1.0);
     let rms_left = (before * (unnamed_share + coloured) / samples).sqrt();
@@ -167,6 +170,7 @@ fn split(
     Budget {
         named,
         unnamed: unnamed_share,
+        unnamed_error: rest * error,
         coloured,
         white,
         rms_before: (before / samples).sqrt(),
