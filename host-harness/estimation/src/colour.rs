@@ -245,27 +245,6 @@ mod tests {
     }
 
     #[test]
-    fn what_reversals_bring_behind_the_gear_is_felt_there() {
-        let with = |expected: Noise| Noise { reversal: 20.0 * expected.torque, ..expected };
-        let (model, record, ..) = replicate(with);
-        let plant = joint_simulation::plant::plant(&model, &record.grid, record.drive).unwrap();
-        let shares = |model: &Model, speed: f64| {
-            let observer = crate::filter::Observer::new(model, &*plant, &record);
-            let mut state = observer.start(0, observer.layout.len(), |_| None);
-            state[observer.layout.speed(0)] = speed;
-            observer.reversing(&state)
-        };
-        let [rotor, last] = shares(&model, 0.0).map(f64::sqrt);
-        assert!(rotor > 0.0 && last > 0.0 && (rotor + last - 1.0).abs() < 1e-12);
-        // Each mass by its own speed.
-        let [moving, still] = shares(&model, 1e3).map(f64::sqrt);
-        assert!(moving < 0.1 * rotor && still == last);
-        let mut smooth = model.clone();
-        smooth.stages[0].friction = Default::default();
-        assert_eq!(shares(&smooth, 0.0), [1.0, 0.0]);
-    }
-
-    #[test]
     fn the_slope_of_the_likelihood_with_reversals_is_that_of_its_differences() {
         let with = |expected: Noise| Noise { reversal: 20.0 * expected.torque, ..expected };
         let (model, record, _, noise) = replicate(with);

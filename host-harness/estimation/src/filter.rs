@@ -10,8 +10,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use joint_core::effect::{Kind, MEMORIES, Memory};
-use joint_core::params::{Friction, Location};
-use joint_core::per_unit::Bases;
+use joint_core::params::Location;
 use joint_core::scalar::Scalar;
 
 use crate::covariance::Covariance;
@@ -20,6 +19,7 @@ use crate::keep::{Keep, Whole};
 use crate::late::Late;
 use crate::pass::Pass;
 use crate::record::{CHANNELS, Channel, Motion, Record, caught};
+use crate::reversal::Reversal;
 use crate::scales::{Known, Scales};
 use joint_simulation::layout::remembers;
 use joint_simulation::model::Model;
@@ -69,43 +69,6 @@ impl Lag {
             lags[channel as usize] = Some(Self { memory, shown, constant_s: effect.values[0] });
         }
         lags
-    }
-}
-
-/// How a mass feels a noise of the reversal.
-#[derive(Clone, Copy, Debug)]
-struct Reversal {
-    /// Share of the noise's variance that it feels where it stands still.
-    share: f64,
-    /// Speed at which its friction falls, reflected to the motor, rad/s.
-    slow: f64,
-}
-
-impl Reversal {
-    /// On the rotor and on the last mass, as their breakaway torques are.
-    fn of(model: &Model, inertia: &[f64]) -> [Self; 2] {
-        let bases = Bases::si(&model.motor, &model.stages);
-        let last = match (model.stages.last(), inertia.last()) {
-            (Some(stage), Some(inertia)) if *inertia > 0.0 => Some(&stage.friction),
-            _ => None,
-        };
-        let shaft = bases.shaft(model.stages.len()).abs();
-        let rotor = model.motor.friction.breakaway_nm();
-        let behind = last.map_or(0.0, |friction| friction.breakaway_nm() * shaft);
-        let [rotor, behind] = match rotor + behind > 0.0 {
-            true => [rotor / (rotor + behind), behind / (rotor + behind)],
-            false => [1.0, 0.0],
-        };
-        let slow = |friction: &Friction, shaft| friction.stribeck_velocity_rad_per_s / shaft;
-        [
-            Self { share: rotor * rotor, slow: slow(&model.motor.friction, 1.0) },
-            Self { share: behind * behind, slow: last.map_or(1.0, |own| slow(own, shaft)) },
-        ]
-    }
-
-    /// Share of the variance at a speed.
-    fn felt(self, speed: f64) -> f64 {
-        self.share / (1.0 + (speed / self.slow).powi(2))
     }
 }
 

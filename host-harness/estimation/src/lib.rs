@@ -27,6 +27,7 @@ mod reach;
 pub mod record;
 pub mod refit;
 pub mod replicate;
+mod reversal;
 mod scales;
 mod scatter;
 mod scoring;

@@ -58,6 +58,7 @@ pub(super) fn findings(samples: usize) -> Findings {
         budget: Some(Budget {
             named: 0.9,
             unnamed: 0.05,
+            unnamed_error: 0.01,
             coloured: 0.02,
             white: 0.03,
             equation: "rotor torque".into(),
