@@ -8,6 +8,17 @@ use joint_core::effect::{
 use joint_core::params::{Friction, Load, Location, Motor, Stage};
 use joint_core::per_unit::Bases;
 
+/// An effect's example at each of its places, behind the second stage where it is of one.
+fn everywhere(kind: Kind) -> impl Iterator<Item = EffectParameters> {
+    kind.spec().locations.iter().map(move |place| {
+        let location = match *place {
+            Location::Stage(_) => Location::Stage(2),
+            other => other,
+        };
+        EffectParameters { location, ..EffectParameters::example(kind) }
+    })
+}
+
 /// All that a set of effects answers in SI, asked in units of torque, speed, angle, current and time, and in
 /// that of what it remembers.
 fn answers(set: &EffectSet<f64>, units: [f64; 5], remembered: f64) -> Vec<f64> {
@@ -73,12 +84,8 @@ fn a_law_says_the_same_in_all_units() {
     };
     let none = answers(&set(&[], &si), [1.0; 5], 1.0);
     for &kind in Kind::ALL {
-        for &location in kind.spec().locations {
-            let location = match location {
-                Location::Stage(_) => Location::Stage(2),
-                other => other,
-            };
-            let effect = EffectParameters { location, ..EffectParameters::example(kind) };
+        for effect in everywhere(kind) {
+            let location = effect.location;
             let remembered = match (kind, location) {
                 (Kind::InputDelay, _) | (Kind::SensorLag, Location::CurrentSensor) => other.current,
                 (Kind::SensorLag, _) => other.speed,
@@ -91,6 +98,53 @@ fn a_law_says_the_same_in_all_units() {
                 // A few roundings.
                 let near = (found - exact).abs() <= 1e-14 * exact.abs();
                 assert!(near, "{kind:?} at {location:?}, answer {k}: {found} for {exact}");
+            }
+        }
+    }
+}
+
+/// What a hook answers is asked of the masses and stages alone that the set names, and of each of them.
+#[test]
+fn what_acts_is_asked_and_nothing_else() {
+    let friction = Friction { coulomb_nm: 1e-5, ..Friction::default() };
+    let motor = Motor { phase_resistance_ohm: 4.0, friction, ..Motor::default() };
+    let stages = [Stage { reduction: 4.0, friction, ..Stage::default() }; 2];
+    let bases = Bases::si(&motor, &stages);
+    let (memory, at) = ([0.3; MEMORIES], Angle::from_turns(0.37));
+    for &kind in Kind::ALL {
+        for effect in everywhere(kind) {
+            let location = effect.location;
+            let set = EffectSet::<f64>::new(&[effect], &Load::default(), &bases).unwrap();
+            let rubbing = Rubbing { speed: 12.0, transmitted: 2e-4, passed_on: 3e-4, angle: at };
+            let mut found = Vec::new();
+            for mass in 0..3 {
+                let torque = set.torque(mass, Motion { angle: at, speed: 12.0 }, &memory);
+                let damped = set.viscous(mass, 12.0, &memory) != 1.0 || set.drag(mass, 12.0) != 0.0;
+                found.push((set.has_torque(mass), torque.value != 0.0));
+                found.push((set.has_level(mass), set.inverse_level(mass, rubbing) != 1.0));
+                found.push((set.has_damping(mass), damped));
+            }
+            for stage in 0..2 {
+                let felt = set.stage(stage, 0.02, at);
+                let beside = set.stage_torque(stage, 0.02, &memory);
+                let acts = felt.deflection != 0.02 || beside.value != 0.0;
+                found.push((set.has_stage(stage), acts));
+            }
+            let winding = Winding { current: 0.04, per_drop: 0.0, drive: 0.12 };
+            found.push((set.has_drops(), set.voltage_drop(winding, &memory) != 0.0));
+            found.push((set.has_limit(), set.excess(9.0).value != 0.0));
+            let constants = set.constants(at, 0.04);
+            found.push((set.has_constants(), constants.torque != 0.0));
+            let mut moved: Relaxations<f64> = [None; MEMORIES];
+            set.relax(&Flow { current: 0.04, drive: 0.12, speeds: &[12.0, 3.0, 1.0] }, &mut moved);
+            found.push((set.has_memory(), moved.iter().any(Option::is_some)));
+            let sums = [
+                (set.has_levels(), (0..3).any(|mass| set.has_level(mass))),
+                (set.has_stages(), (0..2).any(|stage| set.has_stage(stage))),
+                (!set.is_empty(), true),
+            ];
+            for (k, (asked, acts)) in found.into_iter().chain(sums).enumerate() {
+                assert_eq!(asked, acts, "{kind:?} at {location:?}, {k}");
             }
         }
     }
