@@ -107,30 +107,35 @@ fn a_gear_too_stiff_to_swing_moves_as_one_that_is_rigid() {
     assert!((later.angle.to_turns() - angle).abs() < 1e-3, "{angle} {:?}", later.angle);
 }
 
+/// Every effect at every place where it may act, of the size of its example.
 #[test]
 fn effects_act_in_both_methods_alike() {
-    let at = EffectParameters::new;
-    let effects: [&[EffectParameters]; 10] = [
-        &[at(Kind::Cogging, Location::Motor).with("order", 6.0).with("amplitude_nm", 2e-5)],
-        &[at(Kind::TorqueRipple, Location::Motor)
-            .with("order", 6.0)
-            .with("relative_amplitude", 0.2)],
-        &[at(Kind::DeadTime, Location::Inverter).with("voltage_v", 0.1).with("softening_a", 3e-3)],
-        &[at(Kind::QuadraticDrag, Location::Motor).with("coefficient_nm_s2", 5e-11)],
-        &[at(Kind::AsymmetricFriction, Location::Motor).with("asymmetry", 0.4)],
-        &[at(Kind::LoadDependentFriction, Location::Stage(2)).with("coefficient", 0.2)],
-        &[at(Kind::DriveEfficiency, Location::Stage(2)).with("driving", 0.1).with("driven", 0.4)],
-        &[at(Kind::CurrentLimit, Location::Inverter).with("limit_a", 0.05)],
-        &[at(Kind::HardeningStiffness, Location::Stage(1))
-            .with("cubic_stiffness_nm_per_rad3", 500.0)],
-        &[at(Kind::Backlash, Location::Stage(2)).with("width_rad", 2e-3)],
+    let both = |effects: &[EffectParameters]| {
+        [Method::Splitting, Method::Implicit]
+            .map(|method| run(&joint::<f64>(SOFT, Some(method), Some(16), effects)).0)
+    };
+    let [plain, _] = both(&[]);
+    let places = [
+        Location::Motor,
+        Location::Stage(1),
+        Location::Stage(2),
+        Location::Output,
+        Location::Inverter,
     ];
-    let (plain, _) = run(&joint::<f64>(SOFT, Some(Method::Splitting), Some(64), &[]));
-    for effects in effects {
-        let of = |method| run(&joint::<f64>(SOFT, Some(method), Some(64), effects)).0;
-        let (exact, found) = (of(Method::Splitting), of(Method::Implicit));
-        let (error, effect) = (apart(&found, &exact, 0), apart(&plain, &exact, 0));
-        assert!(error < 0.3 * effect && error < 0.02, "{:?} {error} {effect}", effects[0].kind);
+    for &kind in Kind::ALL {
+        for location in places {
+            if !EffectParameters::admits(kind, location, 2) {
+                continue;
+            }
+            let [exact, found] =
+                both(&[EffectParameters { location, ..EffectParameters::example(kind) }]);
+            assert_ne!(exact, plain, "{kind:?} at {location:?} does nothing");
+            // What was found of gravity on the rotor and of backlash behind it, and a half more.
+            for (mass, bound) in [1e-4, 3e-3, 6e-3].into_iter().enumerate() {
+                let error = apart(&found, &exact, mass);
+                assert!(error < bound, "{kind:?} at {location:?}, {mass}: {error}");
+            }
+        }
     }
 }
 

@@ -98,3 +98,27 @@ fn a_joint_pushed_below_breakaway_stays_where_it_is() {
     }
     assert!((state.angle.to_turns() - stuck).abs() < 1e-7);
 }
+
+/// What is missed of a free spring between two masses, of its first deflection, after 16 rad in so many steps.
+fn phase_missed(steps: u32) -> f64 {
+    let stage = Stage { reduction: 1.0, damping_nm_s_per_rad: 0.0, ..damped(0.0) };
+    let pulsation = (40.0 * (1.0 / 4e-5 + 1.0 / 4e-4_f64)).sqrt();
+    let settings = Settings {
+        micro_steps: Some(1),
+        ..Settings::new(Drive::Current, 16.0 / pulsation / f64::from(steps))
+    };
+    let joint = Joint::<f64, 1, ()>::new(&motor(), &[stage], &Load::default(), &settings).unwrap();
+    let mut state = joint.rest();
+    joint.set_deflection(&mut state, 0, 1e-3);
+    joint.refresh(&mut state);
+    for _ in 0..steps {
+        joint.step(&mut state, joint.input(0.0, 0.0));
+    }
+    (joint.deflection_rad(&state, 0) / 1e-3 - 16.0_f64.cos()).abs()
+}
+
+#[test]
+fn a_free_vibration_is_of_fourth_order() {
+    let [coarse, fine] = [20, 40].map(phase_missed);
+    assert!(coarse < 1e-2 && coarse > 14.0 * fine, "{coarse} {fine}");
+}

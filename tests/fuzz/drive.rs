@@ -54,8 +54,28 @@ fn stepped(bytes: &[u8]) {
     }
 }
 
-/// Of any bytes frames are found or not; what is found is the same after it was sent again.
+/// Of any bytes frames are found or not; what is found is the same after it was sent again. Also with the
+/// checksums put right.
 pub(crate) fn frames(bytes: &[u8]) {
+    found(bytes);
+    found(&with_checksums(bytes));
+}
+
+/// The same stream with the checksums that its frames have.
+fn with_checksums(bytes: &[u8]) -> Vec<u8> {
+    let mut stream = bytes.to_vec();
+    let mut at = 0;
+    while let Some([0xa5, 0x5a, _, length]) = stream.get(at..).and_then(|it| it.first_chunk()) {
+        let end = at + 8 + usize::from(*length);
+        let Some(place) = stream.get(end..end + 4).map(|_| end..end + 4) else { break };
+        let checksum = CRC32.checksum(&stream[at + 2..end]).to_le_bytes();
+        stream[place].copy_from_slice(&checksum);
+        at = end + 4;
+    }
+    stream
+}
+
+fn found(bytes: &[u8]) {
     let mut reader = Reader::default();
     let mut found: Vec<_> = bytes.iter().filter_map(|byte| reader.push(*byte)).collect();
     while let Some(frame) = reader.rest() {

@@ -146,4 +146,16 @@ mod tests {
             assert!((torque.slope + slope).abs() < 1e-9);
         }
     }
+
+    #[test]
+    fn its_loop_follows_the_way_over_the_width() {
+        let law = Coating::<f64>::new(1, 0, &[0.2, 0.1, 0.5, 0.0], 1.0, [1.0, 1.0, -0.25]);
+        for (speed, target) in [(3.0, 1.0), (-3.0, -1.0)] {
+            let flow = Flow { current: 0.0, drive: 0.0, speeds: &[9.0, speed] };
+            let mut all = [None; MEMORIES];
+            law.relax(&flow, &mut all);
+            let reach = 3.0 * 0.25 / 0.5;
+            assert_eq!(all[0], Some(Relaxation { reach, target }));
+        }
+    }
 }

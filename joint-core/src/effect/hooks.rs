@@ -359,3 +359,58 @@ pub trait Effects<S: Scalar> {
 }
 
 impl<S: Scalar> Effects<S> for () {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What `E` asks for, and what it leaves of what it is shown.
+    fn asked_and_left<E: Effects<f64>>(own: &E) -> ([bool; 11], [f64; 8]) {
+        let (memory, angle) = ([0.3; MEMORIES], Angle::default());
+        let asked = [
+            own.has_torque(0),
+            own.has_levels(),
+            own.has_level(0),
+            own.has_angled_levels(),
+            own.has_drops(),
+            own.has_limit(),
+            own.has_constants(),
+            own.has_stages(),
+            own.has_stage(0),
+            own.has_damping(0),
+            own.has_memory(),
+        ];
+        let winding = Winding { current: 3.0, per_drop: 0.5, drive: 4.0 };
+        let rubbing = Rubbing { speed: 2.0, transmitted: 3.0, passed_on: 4.0, angle };
+        let left = [
+            own.voltage_drop(winding, &memory),
+            own.excess(5.0).value,
+            own.encoder_error(true, angle, 2.0, &memory),
+            own.drag(0, 2.0),
+            own.inverse_level(0, rubbing),
+            own.viscous(0, 2.0, &memory),
+            own.true_current(3.0),
+            own.shown_current(3.0, &memory),
+        ];
+        (asked, left)
+    }
+
+    #[test]
+    fn without_effects_nothing_is_asked_for_and_nothing_changes() {
+        let plain = ([false; 11], [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 3.0, 3.0]);
+        assert_eq!(asked_and_left(&()), plain);
+    }
+
+    #[test]
+    fn laws_of_one_kind_follow_one_another() {
+        let felt = |deflection, contact, leverage| Felt { deflection, contact, leverage };
+        let both = felt(3.0, 0.5, 3.0).then(felt(2.0, 0.5, 7.0));
+        assert_eq!((both.deflection, both.contact, both.leverage), (2.0, 0.25, 21.0));
+        // What two limits leave of a change are factors: (1 − 0.5) (1 − 0.25).
+        let both = Excess { value: 1.0, slope: 0.5 }.then(Excess { value: 2.0, slope: 0.25 });
+        assert_eq!((both.value, both.slope), (3.0, 1.0 - 0.5 * 0.75));
+        let winding = Winding { current: 3.0, per_drop: 0.5, drive: 4.0 };
+        // The drop of r i is that of the current which it leaves: r (3 − 0.5 d) = d.
+        assert_eq!(winding.drop_of(2.0), 3.0);
+    }
+}

@@ -107,4 +107,14 @@ mod tests {
         assert_eq!(viscous(3.0), LEAST);
         assert_eq!(law.viscous(1, 1.0, &[3.0; 4]), 1.0);
     }
+
+    #[test]
+    fn it_warms_by_the_square_of_the_speed() {
+        let law = LubricantWarming::<f64>::new(1, 2, &[0.6, 8.0, 10.0], 5.0, 0.5);
+        let flow = Flow { current: 0.0, drive: 0.0, speeds: &[9.0, 3.0] };
+        let mut all = [None; 4];
+        law.relax(&flow, &mut all);
+        // Three units of 5 rad/s over 10 rad/s; half a second over eight.
+        assert_eq!(all[2], Some(Relaxation { reach: 0.0625, target: 2.25 }));
+    }
 }

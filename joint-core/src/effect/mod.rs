@@ -366,6 +366,12 @@ mod tests {
             let Some(law) = law else { panic!("{name}: there is no place for its example") };
             let remembers = law!(&law, law => Effects::<f64>::has_memory(law));
             assert_eq!(remembers, spec.remembers, "{name}: `remembers` of its spec");
+            let [levels, stages] = law!(&law, law => [
+                (Effects::<f64>::has_levels(law), (0..9).any(|at| Effects::<f64>::has_level(law, at))),
+                (Effects::<f64>::has_stages(law), (0..9).any(|at| Effects::<f64>::has_stage(law, at))),
+            ]);
+            assert!(levels.0 == levels.1 && stages.0 == stages.1, "{name}: of none, or of some");
+            assert_eq!(Kind::from_name(name), Some(*kind));
             assert_eq!(law.has_table(), kind.has_table(), "{name}: `has_table` of its law");
             let of_a_sensor = |place: &Location| {
                 use Location::{CurrentSensor, Encoder, OutputEncoder};
@@ -374,6 +380,20 @@ mod tests {
             let mut places = spec.locations.iter();
             let same = places.all(|place| of_a_sensor(place) == spec.is_of_a_sensor());
             assert!(same, "{name}: a sensor's law sits at sensors alone");
+        }
+    }
+
+    #[test]
+    fn the_ends_of_a_range_belong_to_it() {
+        let drag = |value| {
+            EffectParameters::new(Kind::QuadraticDrag, Location::Motor)
+                .with("coefficient_nm_s2", value)
+        };
+        let spec = Kind::QuadraticDrag.spec().parameters[0];
+        let refused = |value| validate(&[drag(spec.low), drag(value)], 0).map_err(|it| it.table);
+        assert_eq!([refused(spec.low), refused(spec.high)], [Ok(()); 2]);
+        for value in [spec.low - 1.0, 2.0 * spec.high, f64::NAN] {
+            assert_eq!(refused(value), Err(Table::Effect(2)));
         }
     }
 }

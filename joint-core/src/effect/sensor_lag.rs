@@ -154,4 +154,18 @@ mod tests {
         assert!((shown + 0.2 * 0.917_915).abs() < 3e-5, "{shown}");
         assert_eq!((error(false), laws.shown_current(3.0, &memory)), (0.0, 3.0));
     }
+
+    #[test]
+    fn the_time_constant_is_that_of_the_sensor_s_own_filter() {
+        let lag = |location, tau| {
+            EffectParameters::new(Kind::SensorLag, location).with("time_constant_s", tau)
+        };
+        let effects = [
+            EffectParameters::new(Kind::SensorDelay, Location::Encoder).with("delay_s", 9.0),
+            lag(Location::CurrentSensor, 2.0),
+            lag(Location::Encoder, 3.0),
+        ];
+        let sensors = [Location::Encoder, Location::CurrentSensor, Location::OutputEncoder];
+        assert_eq!(sensors.map(|it| time_constant_s(&effects, it)), [3.0, 2.0, 0.0]);
+    }
 }

@@ -75,3 +75,25 @@ macro_rules! float {
 
 float!(f32);
 float!(f64);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ways_of_relaxing_are_of_third_order_and_end_at_the_slip_value() {
+        for (zeta, slip, rho) in
+            [(0.3, 0.02, 0.7), (-0.9, 0.04, 0.8), (0.5, -0.03, 1.0), (0.2, 1e6, 0.6)]
+        {
+            let x: f64 = f64::abs(slip) * rho;
+            let end = f64::signum(slip) / rho;
+            let exact = end + (zeta - end) * (-x).exp();
+            let reach = slip * f64::REACH;
+            let (exactly, lost) = zeta.relaxed_exactly(0.0, reach, rho, 1.0 / rho);
+            // What is left of the exponential's series, and rounding.
+            let bound = (zeta - end).abs() * x.powi(4) * (-x).exp() / 24.0 + 1e-14;
+            assert!((zeta.relaxed(reach, rho, 1.0 / rho) - exact).abs() < 2.0 * bound, "{slip}");
+            assert!((exactly + lost - exact).abs() < 2.0 * bound, "{slip}");
+        }
+    }
+}

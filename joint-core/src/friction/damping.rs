@@ -35,3 +35,24 @@ pub trait Damped: Number {
 
 impl Damped for f32 {}
 impl Damped for f64 {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kick_is_the_midpoint_rules_to_the_order_of_its_expansion() {
+        for lost in [-0.2_f64, 0.02, 0.2] {
+            let (x, gained) = (0.5 * lost, 3.0);
+            let missed = |found: f64| (found - 1.0 - gained / (1.0 + x)) / gained * (1.0 + x);
+            // 1/(1 + x) less its expansion is −x³/(1 + x), or x²/(1 + x).
+            assert!((missed(1.0.kicked::<true>(gained, lost)) - x.powi(3)).abs() < 1e-14, "{x}");
+            assert!((missed(1.0.kicked::<false>(gained, lost)) + x * x).abs() < 1e-14, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_force_that_rises_is_raised_by_a_sixteenth_of_the_share_lost() {
+        assert_eq!(2.0_f64.risen(0.5, 0.25), 2.0 + 1.5 * 0.25 / 16.0);
+    }
+}

@@ -148,8 +148,10 @@ mod tests {
         assert!(turn.share > 0.0 && mass.speed < 1.3);
     }
 
+    type Flow = fn(&Friction<f64>, &mut Mass<f64>, Option<&Turn<f64>>) -> Half<f64>;
+
     /// What is missed of a bristle after `from` to `to` in even acceleration, without its turn and with.
-    fn missed(from: f64, to: f64, start: f64) -> [f64; 2] {
+    fn missed(from: f64, to: f64, start: f64, flow: Flow) -> [f64; 2] {
         let friction = friction(0.4);
         let rho = |speed: f64| 1.0 / (1.0 + 0.8 * (-speed * speed / 4.0).exp());
         let (mut exact, steps) = (start, 20_000);
@@ -164,32 +166,34 @@ mod tests {
         [false, true].map(|turned| {
             let bristle = Bristle { zeta: start, ..Bristle::default() };
             let mut mass = Mass { speed: early, bristle, ..Mass::default() };
-            let half = friction.flow(&mut mass, None);
+            let half = flow(&friction, &mut mass, None);
             mass.speed = late;
             let turn = turned.then(|| friction.turn(&mut mass, early, half));
             mass.speed = late;
-            friction.flow(&mut mass, turn.as_ref());
+            flow(&friction, &mut mass, turn.as_ref());
             mass.bristle.zeta - exact
         })
     }
 
-    fn assert_turn_helps(ways: &[(f64, f64)], start: f64) {
+    fn assert_turn_helps(ways: &[(f64, f64)], start: f64, flow: Flow) {
         let sum = |which: usize| -> f64 {
-            ways.iter().map(|(from, to)| missed(*from, *to, start)[which].powi(2)).sum()
+            ways.iter().map(|(from, to)| missed(*from, *to, start, flow)[which].powi(2)).sum()
         };
         assert!(sum(1) < 0.5 * sum(0), "{} {}", sum(1), sum(0));
     }
 
     #[test]
     fn a_turn_makes_good_what_constant_halves_miss_of_a_bend() {
-        assert_turn_helps(&[(0.3, 2.3), (2.3, 0.3), (1.0, 3.0), (-0.5, -2.5)], 0.4);
+        assert_turn_helps(&[(0.3, 2.3), (2.3, 0.3), (1.0, 3.0), (-0.5, -2.5)], 0.4, Friction::flow);
     }
 
     #[test]
     fn a_turn_makes_good_what_constant_halves_miss_of_a_standstill() {
         let ways: Vec<_> =
             (-6..=6).map(|k| 0.02 * f64::from(k)).map(|m| (m - 0.2, m + 0.2)).collect();
-        assert_turn_helps(&ways, 1.0);
+        for flow in [Friction::flow, Friction::flow_exactly] {
+            assert_turn_helps(&ways, 1.0, flow);
+        }
     }
 
     #[test]
@@ -200,6 +204,34 @@ mod tests {
         friction(0.2).flow_along(&mut along, None, Some([1.0, 1.0]));
         assert!((plain.bristle.zeta - along.bristle.zeta).abs() < 1e-14);
         assert!((plain.bristle.slipping - along.bristle.slipping).abs() < 1e-14);
+    }
+
+    /// ζ after half a step of a level that changes evenly, by the flow and by many small steps.
+    fn along(speed: f64, [start, end]: [f64; 2]) -> [f64; 2] {
+        let bristle = Bristle { zeta: 0.3, ..Bristle::default() };
+        let mut mass = Mass { speed, bristle, ..Mass::default() };
+        friction(0.2).flow_along(&mut mass, None, Some([start, end]));
+        let rho = 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
+        let (mut zeta, slip, steps) = (0.3, 0.6 * speed, 2000);
+        for k in 0..steps {
+            let share = (f64::from(k) + 0.5) / f64::from(steps);
+            let level = (1.0 / start + (1.0 / end - 1.0 / start) * share) / rho;
+            let slips = speed.signum() * level;
+            zeta = slips + (zeta - slips) * (-slip.abs() / level / f64::from(steps)).exp();
+        }
+        [mass.bristle.zeta, zeta]
+    }
+
+    #[test]
+    fn a_bristle_lags_behind_a_level_that_changes() {
+        for speed in [0.1, -0.8, 2.5, -40.0] {
+            let [falling, rising] = [[0.96, 1.0], [1.0, 0.96]].map(|levels| along(speed, levels));
+            let [found, exact] = [0, 1].map(|k| rising[k] - falling[k]);
+            // The quotient is off the way by 6 % at most, at some three reaches.
+            assert!((found - exact).abs() < 0.08 * exact.abs(), "{speed}: {found} {exact}");
+            // Of means for the level's course: 0.04²/12 of the slip; and the flow's own error at x = 1.5.
+            assert!((rising[0] - rising[1]).abs() < 0.012, "{speed}: {rising:?}");
+        }
     }
 
     #[test]

@@ -178,3 +178,71 @@ impl<S: LuGre> Friction<S> {
         moved - bristle.slipping.nearest(moved)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OWN: params::Friction = params::Friction {
+        sigma0_nm_per_rad: 3.0,
+        sigma1_nm_s_per_rad: 0.3,
+        sigma2_nm_s_per_rad: 0.07,
+        coulomb_nm: 0.5,
+        stribeck_nm: 0.2,
+        stribeck_velocity_rad_per_s: 2.0,
+    };
+    const HALF_STEP_S: f64 = 0.1;
+    const INERTIA: f64 = 0.8;
+
+    fn friction(own: &params::Friction, shaft: f64, units: [f64; 2]) -> Friction<f64> {
+        Friction::new(own, shaft, [HALF_STEP_S, 0.5], INERTIA, units)
+    }
+
+    /// Ratio and units are powers of two: nothing is rounded.
+    #[test]
+    fn behind_a_gear_and_in_other_units_it_is_the_same_friction() {
+        let (shaft, torque, speed) = (0.25, 8.0, 4.0);
+        let square = shaft * shaft;
+        let reflected = params::Friction {
+            sigma0_nm_per_rad: OWN.sigma0_nm_per_rad * square,
+            sigma1_nm_s_per_rad: OWN.sigma1_nm_s_per_rad * square,
+            sigma2_nm_s_per_rad: OWN.sigma2_nm_s_per_rad * square,
+            coulomb_nm: OWN.coulomb_nm * shaft,
+            stribeck_nm: OWN.stribeck_nm * shaft,
+            stribeck_velocity_rad_per_s: OWN.stribeck_velocity_rad_per_s / shaft,
+        };
+        let one = friction(&reflected, 1.0, [1.0; 2]);
+        let scaled = Friction {
+            per_stribeck_velocity: one.per_stribeck_velocity * speed,
+            kappa: one.kappa * speed,
+            level: one.level / torque,
+            per_reach: one.per_reach / torque,
+            sigma1: one.sigma1 * speed / torque,
+            sigma2: one.sigma2 * speed / torque,
+            standing: one.standing * speed / torque,
+            corner: one.corner * speed,
+            ..one
+        };
+        assert_eq!(friction(&OWN, -shaft, [torque, speed]), scaled);
+    }
+
+    #[test]
+    fn constants_and_what_is_read_from_them_are_as_stated() {
+        let own = friction(&OWN, 1.0, [1.0; 2]);
+        let bristle = Bristle { slipping: 0.25, ..Bristle::default() };
+        let mass = Mass { bristle, ..Mass::default() };
+        let step = 2.0 * HALF_STEP_S;
+        for (found, stated) in [
+            (own.kappa, <f64 as Relaxation>::REACH * 3.0 * HALF_STEP_S / 0.5),
+            (own.per_reach, 0.3 / own.kappa),
+            (own.corner, 3.0 * HALF_STEP_S / 0.5 / 3.0 / 1.4),
+            (own.reversal, 2.0 / 3.0 * 0.3 * 0.5 * step / INERTIA),
+            (own.shift(&bristle, 2.0), 3.0 * step * step / (24.0 * INERTIA) * 0.75 * 2.0),
+            (own.damping(&bristle), 0.3 * 0.75 + 0.07),
+            (own.damping_with(&bristle, 3.0), 0.3 * 0.75 + 0.07 * 3.0),
+            (own.turning(&mass), 0.75 * 0.5),
+        ] {
+            assert!((found - stated).abs() < 1e-15, "{found} {stated}");
+        }
+    }
+}

@@ -101,4 +101,26 @@ mod tests {
             assert!(1e9_f64.stribeck(beta).0.abs() < 1e-20);
         }
     }
+
+    #[test]
+    fn a_curve_and_its_slope_are_the_same_in_both_floats() {
+        for beta in [-0.3, 0.4] {
+            let rho = |v: f64| 1.0 / (1.0 + beta * (-v * v).exp());
+            for v in [0.0, 0.2, 0.7, 1.0, 1.6] {
+                let slope = rho(v) + v * (rho(v + 1e-5) - rho(v - 1e-5)) / 2e-5;
+                let wide = Curve::at(v * 2.0_f64.sqrt(), &beta);
+                let narrow = Curve::at((v * (2.0 * f32::SQUARE).sqrt()) as f32, &(beta as f32));
+                for (found, exact, bound) in [
+                    (wide.level, 1.0 / rho(v), 1e-9),
+                    (wide.slope(), slope, 1e-8),
+                    (f64::from(narrow.level), 1.0 / rho(v), 1e-4),
+                    (f64::from(narrow.rho), rho(v), 1e-4),
+                    // The exponential's error of 4e-5 times 2 v² and what β makes of it.
+                    (f64::from(narrow.slope()), slope, 5e-4),
+                ] {
+                    assert!((found - exact).abs() < bound, "{beta} {v}: {found} {exact}");
+                }
+            }
+        }
+    }
 }

@@ -175,6 +175,39 @@ mod tests {
     }
 
     #[test]
+    fn a_long_stretch_has_sixty_blocks_and_a_short_one_those_it_holds() {
+        let count =
+            |samples: usize, least| Blocks::over(&vec![true; samples], least).ranges().len();
+        assert_eq!([count(6000, 10), count(600, 30), count(59, 30), count(7, 1)], [60, 20, 1, 7]);
+        assert_eq!(Blocks::over(&[false; 9], 1).ranges(), []);
+    }
+
+    #[test]
+    fn blocks_of_a_series_are_ten_correlation_times_and_sum_it_up() {
+        let series = autoregressive(100_000, 0.95, &mut ChaCha8Rng::seed_from_u64(4));
+        let mask = vec![true; 1000];
+        let blocks = Blocks::of_series(&mask, &series);
+        let least = (10.0 * correlation_time(&series)).ceil() as usize;
+        assert_eq!(blocks, Blocks::over(&mask, least));
+        assert_eq!(blocks.ranges().len(), 1000 / least);
+        let blocks = Blocks::over(&[true, true, false, true], 2);
+        let series = [1.0, -3.0, 7.0, 4.0];
+        assert_eq!([blocks.sums(&series), blocks.squares(&series)], [[-2.0, 4.0], [10.0, 16.0]]);
+    }
+
+    #[test]
+    fn a_correlation_time_knows_no_offset_and_looks_ahead_by_a_quarter() {
+        let series = autoregressive(2000, 0.5, &mut ChaCha8Rng::seed_from_u64(5));
+        let time = correlation_time(&series);
+        let offset: Vec<f64> = series.iter().map(|x| x + 100.0).collect();
+        assert!((correlation_time(&offset) - time).abs() < 1e-8 * time);
+        // Of a ramp from −4 to 4 the squares sum up to 60, and products one apart to 40.
+        let ramp: Vec<f64> = (0..9).map(f64::from).collect();
+        assert_eq!(correlation_time(&ramp), 1.0 + 2.0 * 40.0 / 60.0);
+        assert_eq!([correlation_time(&[]), correlation_time(&[3.0; 50])], [1.0; 2]);
+    }
+
+    #[test]
     fn the_correlation_time_of_an_autoregression_is_the_textbooks() {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         for keep in [0.0, 0.5, 0.9] {
@@ -199,7 +232,9 @@ mod tests {
     }
 
     #[test]
-    fn one_block_has_no_standard_error() {
+    fn two_blocks_have_a_standard_error_one_has_none_and_a_share_of_nothing_is_none() {
         assert_eq!(ratio(&[1.0], &[2.0]), Share { value: 0.5, error: f64::INFINITY });
+        assert_eq!(ratio(&[1.0, 0.0], &[2.0; 2]), Share { value: 0.25, error: 0.25 });
+        assert_eq!(ratio(&[1.0; 2], &[0.0; 2]), Share::default());
     }
 }

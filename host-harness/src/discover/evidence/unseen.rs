@@ -109,6 +109,23 @@ mod tests {
     }
 
     #[test]
+    fn an_error_counts_for_ten_sigmas_at_most() {
+        let errors = [-3.0, 10.0, 11.0, -1e200, f64::INFINITY, f64::NAN];
+        assert_eq!(errors.map(|error| bounded(&error)), [9.0, 100.0, 100.0, 100.0, 100.0, 100.0]);
+    }
+
+    #[test]
+    fn fewer_than_two_blocks_and_blocks_that_are_all_the_same_tell_nothing() {
+        let told = |count: usize| {
+            let gains: Vec<f64> = (0..count).map(|k| k as f64).collect();
+            witnessed(&Blocks::over(&vec![true; count], 1), &gains)
+        };
+        // Of 0 and 1 the sum is 1 and the mean ½, half a unit from each: √2 times ½ in two of them.
+        assert_eq!([told(0), told(1), told(2)], [0.0, 0.0, 1.0]);
+        assert_eq!(witnessed(&Blocks::over(&[true; 4], 1), &[2.0; 4]), 0.0);
+    }
+
+    #[test]
     fn what_is_owed_to_one_moment_has_a_small_t() {
         let tested = vec![true; 1000];
         let blocks = Blocks::over(&tested, 20);
