@@ -37,7 +37,10 @@ impl Reversal {
 
     /// Share of the variance at a speed.
     pub(super) fn felt(self, speed: f64) -> f64 {
-        self.share / (1.0 + (speed / self.slow).powi(2))
+        match self.share > 0.0 {
+            true => self.share / (1.0 + (speed / self.slow).powi(2)),
+            false => 0.0,
+        }
     }
 }
 

@@ -18,10 +18,10 @@ use joint_simulation::plant::BuildError;
 /// What a measured current must take from minus twice the log-likelihood to be believed.
 pub const LEAST: f64 = 60.0;
 
-/// Fits a record by the samples of a mask, of which it is not known what its current, where that is the input, was,
-/// how quiet its drive is, nor whether its output feels a disturbance of its own. A filter that takes the last mass to feel nothing believes the
-/// equation there to an encoder's step, and bends all others to it: where such a fit is lost and the other
-/// one is likelier by far, that one is taken.
+/// Fits a record by the samples of a mask, of which it is not known what its current, where that is the input,
+/// was, how quiet its drive is, nor whether its output feels a disturbance of its own. A filter that takes the
+/// last mass to feel nothing believes the equation there to an encoder's step, and bends all others to it: where
+/// such a fit is lost and the other one is likelier by far, that one is taken.
 ///
 /// # Errors
 /// The model cannot be built.
