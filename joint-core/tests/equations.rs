@@ -155,7 +155,7 @@ impl Run {
     }
 }
 
-/// What is missed at most of each quantity: a half more than was found in the commit that made this test.
+/// What may be missed of each quantity: half as much again as the step misses.
 fn assert_missed<S: Scalar>(method: Method, steps: u32, most: [State; 2]) {
     for (run, most) in RUNS.iter().zip(most) {
         let missed = run.missed::<S>(&run.exact(), method, steps);
