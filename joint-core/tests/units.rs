@@ -149,3 +149,29 @@ fn what_acts_is_asked_and_nothing_else() {
         }
     }
 }
+
+/// A gear that reverses turns its mass the other way: an asymmetry is that of the mass's own direction.
+#[test]
+fn an_asymmetry_is_that_of_its_own_shaft_s_direction() {
+    let friction = Friction { coulomb_nm: 1e-5, ..Friction::default() };
+    let asymmetric = EffectParameters::new(Kind::AsymmetricFriction, Location::Stage(1))
+        .with("asymmetry", 0.25)
+        .with("viscous_asymmetry", 0.5);
+    let felt = |reduction: f64, speed: f64| {
+        let stages = [Stage { reduction, friction, ..Stage::default() }];
+        let motor = Motor::default();
+        let bases = Bases::si(&motor, &stages);
+        let set = EffectSet::<f64>::new(&[asymmetric], &Load::default(), &bases).unwrap();
+        let rubbing = Rubbing { speed, transmitted: 0.0, passed_on: 0.0, angle: Angle::default() };
+        let level = 1.0 / set.inverse_level(1, rubbing);
+        [level, set.viscous(1, speed, &[0.0; MEMORIES])]
+    };
+    for (reduction, speed, stated) in [
+        (4.0, 1.0, [1.25, 1.5]),
+        (4.0, -1.0, [0.75, 0.5]),
+        (-4.0, 1.0, [0.75, 0.5]),
+        (-4.0, -1.0, [1.25, 1.5]),
+    ] {
+        assert_eq!(felt(reduction, speed), stated, "{reduction} {speed}");
+    }
+}
