@@ -25,12 +25,12 @@ use serde::{Serialize, de::DeserializeOwned};
 use crate::payload;
 
 /// Version of the table above and of the payload; raised whenever either changes.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 /// The oldest version that is still understood.
 pub const OLDEST_VERSION: u16 = 1;
 /// Versions before this one number the kinds of effects otherwise, so that of them only joints without
 /// an effect are read.
-pub const EFFECTS_SINCE: u16 = 4;
+pub const EFFECTS_SINCE: u16 = 5;
 /// Room for a block: four flash pages of the STM32G431.
 pub const PAGE_BYTES: usize = 8192;
 /// Where they lie on the STM32G431; `memory.x` ends the program's flash there.

@@ -39,6 +39,7 @@ fn answers(set: &EffectSet<f64>, units: [f64; 5], remembered: f64) -> Vec<f64> {
             let own = set.torque(mass, Motion { angle: at, speed: moving }, &memory);
             all.extend([own.value * torque, own.slope * torque / angle]);
             all.push(set.inverse_level(mass, rubbing));
+            all.push(set.creep(mass).map_or(0.0, |creep| creep.rate(moving).0 * speed));
             all.push(set.viscous(mass, moving, &memory));
             all.push(set.drag(mass, moving) * torque / speed);
         }
@@ -121,7 +122,8 @@ fn what_acts_is_asked_and_nothing_else() {
                 let torque = set.torque(mass, Motion { angle: at, speed: 12.0 }, &memory);
                 let damped = set.viscous(mass, 12.0, &memory) != 1.0 || set.drag(mass, 12.0) != 0.0;
                 found.push((set.has_torque(mass), torque.value != 0.0));
-                found.push((set.has_level(mass), set.inverse_level(mass, rubbing) != 1.0));
+                let level = set.inverse_level(mass, rubbing) != 1.0 || set.creep(mass).is_some();
+                found.push((set.has_level(mass), level));
                 found.push((set.has_damping(mass), damped));
             }
             for stage in 0..2 {

@@ -24,7 +24,8 @@ use super::next_experiment::advice;
 use super::proportion::{answered, keep_borne_out, matters, possible, weighed};
 use super::reasons::reasons;
 use super::rows::{noise_rows, parameter_rows};
-use super::search::Search;
+use super::search::{CALM, Search, excess};
+use super::shaped::shaped;
 use super::timing::search_timed;
 use super::undecided::undecided;
 use super::whereabouts::locate;
@@ -133,6 +134,16 @@ pub fn discover_beside(
     bar.set_message("asking whether what is left is noise");
     let mut remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
     let mut noise = remainder.complaints(found.rounds.is_empty()).is_empty();
+    let mut shape = None;
+    if (!noise || excess(&found) > CALM)
+        && let Some((model, other)) = shaped(problem, nominal, &found, known, bar)?
+    {
+        (shape, found) = (Some(model), other);
+        remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+        noise = remainder.complaints(found.rounds.is_empty()).is_empty();
+    }
+    let given = nominal;
+    let nominal = shape.as_ref().unwrap_or(nominal);
     let mut beside = beside_disturbance(problem, &found, noise)?;
     if !noise
         && let Some(other) = &beside
@@ -257,9 +268,9 @@ pub fn discover_beside(
         next_experiment += &told(experiment);
     }
     let mut reasons = reasons(&found, &record, &gap, &complaints);
-    let given: usize = logs.iter().map(Log::len).sum();
-    if given > samples {
-        let silent = given - samples;
+    let all: usize = logs.iter().map(Log::len).sum();
+    if all > samples {
+        let silent = all - samples;
         reasons.push(format!("{silent} samples were left out: nothing says what drove the joint"));
     }
     if samples > record.len() {
@@ -294,7 +305,7 @@ pub fn discover_beside(
     };
     Ok(Findings {
         verdict,
-        nominal: nominal.clone(),
+        nominal: given.clone(),
         refitted: before.model.clone(),
         improved: rest.map_or_else(|| after.model.clone(), |rest| rest.stage.fit.model),
         time_s: record.time_s.clone(),

@@ -8,6 +8,7 @@
 
 use std::borrow::Cow;
 
+use joint_core::effect::MAX_EFFECTS;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -159,7 +160,9 @@ fn disturbance(problem: &Problem<'_>, fit: &Fit, expected: &Noise) -> Result<f64
 /// Adds effects until no more is found, and tries to do without each.
 fn grow(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     let expected = search.expected;
-    while search.rounds.len() < MOST_EFFECTS && !interrupt::asked() {
+    // One place is kept for what has no name.
+    let full = |search: &Search| search.after.origin.effects.len() + 2 >= MAX_EFFECTS;
+    while search.rounds.len() < MOST_EFFECTS && !full(search) && !interrupt::asked() {
         let round = search.rounds.len() + 1;
         search.tell(round, "scoring the known effects beside a disturbance");
         if !add(problem, search, round)? {

@@ -40,6 +40,7 @@ mod rows;
 pub mod score_test;
 pub mod search;
 mod settle;
+mod shaped;
 mod timing;
 #[cfg(test)]
 mod trial;

@@ -6,6 +6,7 @@ use joint_core::effect::Kind;
 use super::findings::Gap;
 use super::force::relative_force_error;
 use super::search::{Round, Search, title};
+use super::shaped;
 use crate::estimate::filter::{Disturbed, Noise};
 use crate::estimate::record::Record;
 use crate::estimate::timing;
@@ -33,6 +34,7 @@ pub(super) fn reasons(
             "no listed effect explains what is missing: the best score is {best:.0}, chance is ruled out from {chance:.0} on, and a full refit must keep it"
         ));
     }
+    all.extend(shaped::told(&found.after.fit.model));
     all.extend(disturbed(&found.after.fit.noise));
     if complaints.is_empty() {
         all.push(format!(

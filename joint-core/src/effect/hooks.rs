@@ -7,6 +7,7 @@
 
 use super::table::Tables;
 use crate::angle::Angle;
+use crate::friction::Creep;
 use crate::scalar::Scalar;
 
 pub use crate::state::{MEMORIES, Memory};
@@ -339,6 +340,12 @@ pub trait Effects<S: Scalar> {
     #[inline(always)]
     fn inverse_level_from(&self, _tables: &Tables<S>, mass: usize, at: Rubbing<S>) -> S {
         self.inverse_level(mass, at)
+    }
+
+    /// How a mass's friction gives way below breakaway; only of one whose level it changes.
+    #[inline(always)]
+    fn creep(&self, _mass: usize) -> Option<Creep<S>> {
+        None
     }
 
     /// Factor on a mass's viscous coefficient.

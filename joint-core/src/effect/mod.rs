@@ -89,6 +89,7 @@ macro_rules! for_every_effect {
             drive_efficiency::DriveEfficiency,
             encoder_eccentricity::EncoderEccentricity,
             friction_course::FrictionCourse,
+            friction_shape::FrictionShape,
             gravity::Gravity,
             hardening_stiffness::HardeningStiffness,
             input_delay::InputDelay,

@@ -10,6 +10,7 @@ use super::worm::Worm;
 use super::{Effect, EffectParameters, Kind};
 use crate::angle::Angle;
 use crate::batch::{Batch, Numbers};
+use crate::friction::Creep;
 use crate::params::{Load, Location};
 use crate::per_unit::Bases;
 use crate::scalar::Scalar;
@@ -345,6 +346,11 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
         let tables = &self.tables;
         asked!(self, (mass: usize, at: Rubbing<S>, tables: &'a Tables<S>) -> S, S::ONE,
             |level, law| level * law.inverse_level_from(tables, mass, at))
+    }
+
+    #[inline(never)]
+    fn creep(&self, mass: usize) -> Option<Creep<S>> {
+        self.effects.iter().find_map(|effect| law!(effect, law => law.creep(mass)))
     }
 
     #[inline(never)]

@@ -1,15 +1,15 @@
 //! The bristle's flow over half a step at constant speed.
 
 use super::turn::{Half, Turn};
-use super::{Friction, LuGre};
+use super::{Changed, Creep, Friction, LuGre};
 use crate::state::{Bristle, Mass};
 
 impl<S: LuGre> Friction<S> {
     /// Finds what is kept beside ζ, after ζ or the speed was set from outside.
     #[inline(always)]
-    pub(crate) fn settle(&self, mass: &mut Mass<S>, inverse_level: S) {
+    pub(crate) fn settle(&self, mass: &mut Mass<S>, changed: Changed<S>) {
         let (curve, reach) = (self.curve(mass.speed), mass.speed.times(self.kappa));
-        self.keep(mass, mass.bristle.zeta, &curve, reach, Some(inverse_level));
+        self.keep(mass, mass.bristle.zeta, &curve, reach, Some(changed));
     }
 
     /// Moves a mass's bristle over half a step at its speed ([`Relaxation`](super::Relaxation)).
@@ -55,11 +55,18 @@ impl<S: LuGre> Friction<S> {
         mass: &mut Mass<S>,
         turn: Option<&Turn<S>>,
         inverse_levels: Option<[S; 2]>,
+        creep: Option<Creep<S>>,
     ) -> Half<S> {
         let Some([start, end]) = inverse_levels else { return self.flow(mass, turn) };
         let curve = self.curve(mass.speed);
         let reach = mass.speed.times(self.kappa);
-        let decay = reach.abs() * S::PER_REACH * curve.rho * (start + end) * S::HALF;
+        let (mut slip, mut bend, mut slid) = (reach.abs(), S::ONE, S::ONE);
+        if let Some(creep) = creep {
+            let (rate, slope) = creep.rate(mass.speed);
+            (slip, bend, slid) = (rate.times(self.kappa), slope, mass.speed.abs().ratio(rate));
+        }
+        let slope = curve.slope() - curve.rho * (S::ONE - bend);
+        let decay = slip * S::PER_REACH * curve.rho * (start + end) * S::HALF;
         let three = S::ONE + S::ONE + S::ONE;
         let square = decay * decay;
         let (above, below) = (
@@ -68,16 +75,17 @@ impl<S: LuGre> Friction<S> {
         );
         let way = above.over(below);
         let (first, last) = (S::ONE.over(start), S::ONE.over(end));
-        let target = (first + (last - first) * way) * curve.level;
+        let target = (first + (last - first) * way) * curve.level * slid;
         let target = target.along(mass.speed);
         let series = decay * (S::ONE + decay * (S::HALF + decay * S::SIXTH));
         let Bristle { zeta, lost, .. } = mass.bristle;
-        let slope = curve.slope() * start;
-        let zeta = Turn::applied(turn, zeta, Half { reach: reach.abs(), slope });
+        let turn = turn.map(|turn| turn.rounded(bend));
+        let zeta =
+            Turn::applied(turn.as_ref(), zeta, Half { reach: reach.abs(), slope: slope * start });
         let (zeta, lost) = zeta.plus((series * (target - zeta)).over(S::ONE + series), lost);
         mass.bristle.lost = lost;
-        self.keep(mass, zeta, &curve, reach, Some(end));
-        Half { reach: reach.abs(), slope: curve.slope() * end }
+        self.keep(mass, zeta, &curve, reach, Some(Changed { inverse_level: end, creep }));
+        Half { reach: reach.abs(), slope: slope * end }
     }
 }
 
@@ -124,7 +132,7 @@ mod tests {
         for speed in [-5.0_f64, -1.7, -0.3, 0.2, 1.0, 2.5, 6.0] {
             let bristle = Bristle { zeta: 0.7, ..Bristle::default() };
             let mut mass = Mass { speed, bristle, ..Mass::default() };
-            friction(0.2).settle(&mut mass, 1.0);
+            friction(0.2).settle(&mut mass, Changed { inverse_level: 1.0, creep: None });
             let bristle = mass.bristle;
             let tangent = (rate(speed + 1e-5, 0.7) - rate(speed - 1e-5, 0.7)) / 2e-5;
             let bending = 1.0 - bristle.slipping;
@@ -201,7 +209,7 @@ mod tests {
         let start = Mass { speed: -1.3, ..Mass::default() };
         let (mut plain, mut along) = (start, start);
         friction(0.2).flow(&mut plain, None);
-        friction(0.2).flow_along(&mut along, None, Some([1.0, 1.0]));
+        friction(0.2).flow_along(&mut along, None, Some([1.0, 1.0]), None);
         assert!((plain.bristle.zeta - along.bristle.zeta).abs() < 1e-14);
         assert!((plain.bristle.slipping - along.bristle.slipping).abs() < 1e-14);
     }
@@ -210,7 +218,7 @@ mod tests {
     fn along(speed: f64, [start, end]: [f64; 2]) -> [f64; 2] {
         let bristle = Bristle { zeta: 0.3, ..Bristle::default() };
         let mut mass = Mass { speed, bristle, ..Mass::default() };
-        friction(0.2).flow_along(&mut mass, None, Some([start, end]));
+        friction(0.2).flow_along(&mut mass, None, Some([start, end]), None);
         let rho = 1.0 / (1.0 + 0.4 * (-speed * speed / 4.0).exp());
         let (mut zeta, slip, steps) = (0.3, 0.6 * speed, 2000);
         for k in 0..steps {

@@ -10,6 +10,7 @@
 //! the two halves of constant speed miss of a speed that moved between them ([`Turn`]).
 
 mod bristle;
+mod creep;
 mod damping;
 mod flow;
 mod passive;
@@ -17,6 +18,7 @@ mod stribeck;
 mod turn;
 
 pub use bristle::Relaxation;
+pub use creep::Creep;
 pub use damping::Damped;
 pub use stribeck::Stribeck;
 pub(crate) use turn::{Half, Turn};
@@ -67,6 +69,15 @@ pub(crate) const LEAST_BETA: f64 = -1.0 + 1e-6;
 const CORNER: f64 = 1.0 / 3.0;
 /// Mean share of the step behind standstill that the tangent before it misses of |v|, twice.
 const REVERSAL: f64 = 2.0 / 3.0;
+
+/// What effects change of a mass's friction.
+#[derive(Clone, Copy)]
+pub(crate) struct Changed<S: LuGre> {
+    /// One over the factor on its level.
+    pub inverse_level: S,
+    /// How it gives way below breakaway.
+    pub creep: Option<Creep<S>>,
+}
 
 impl<S: LuGre> Friction<S> {
     /// From SI: `shaft` is the mass's ratio to the motor, `half_step` in seconds, `middle` the middle
@@ -127,13 +138,20 @@ impl<S: LuGre> Friction<S> {
         zeta: S,
         curve: &Curve<S>,
         reach: S,
-        inverse_level: Option<S>,
+        changed: Option<Changed<S>>,
     ) {
-        let levelled = |value: S| inverse_level.map_or(value, |level| value * level);
+        let levelled = |value: S| changed.map_or(value, |it| value * it.inverse_level);
         let along = levelled(zeta.along(mass.speed));
+        let (mut slope, mut climb) = (curve.slope(), curve.steepness * reach.abs());
+        if let Some(creep) = changed.and_then(|it| it.creep) {
+            let (rate, bend) = creep.rate(mass.speed);
+            slope = slope - curve.rho * (S::ONE - bend);
+            let short = reach.abs() * bend - rate.times(self.kappa);
+            climb = climb + short * curve.rho * S::from_f64(S::SQUARE);
+        }
+        let climb = levelled(climb);
         mass.bristle.zeta = zeta;
-        mass.bristle.slipping = along * curve.slope();
-        let climb = levelled(curve.steepness * reach.abs());
+        mass.bristle.slipping = along * slope;
         mass.force = -zeta.nearest(self.level + climb.times(self.per_reach));
     }
 
@@ -150,6 +168,12 @@ impl<S: LuGre> Friction<S> {
         zeta * self.level
             + self.sigma1 * rate
             + (mass.damping - self.sigma1 * (S::ONE - slipping)) * mass.speed
+    }
+
+    /// What is missing of that torque where friction gives way below breakaway: the bristle is slower.
+    pub(crate) fn crept(&self, mass: &Mass<S>, creep: &Creep<S>) -> S {
+        let faster = creep.rate(mass.speed).0 - mass.speed.abs();
+        -(self.sigma1 * (faster * self.curve(mass.speed).rho * mass.bristle.zeta))
     }
 
     /// How much of the Coulomb level is bending instead of slipping, as where a speed turns round; not

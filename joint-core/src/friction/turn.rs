@@ -50,6 +50,12 @@ impl<S: Relaxation> Turn<S> {
         Self { share, half }
     }
 
+    /// The same where the corner at standstill is rounded, so that so much of it is left.
+    #[inline(always)]
+    pub(super) fn rounded(self, left: S) -> Self {
+        Self { share: self.share * left, ..self }
+    }
+
     /// ζ with what a speed that moved between the halves makes of it.
     #[inline(always)]
     pub(super) fn applied(turn: Option<&Self>, zeta: S, now: Half<S>) -> S {

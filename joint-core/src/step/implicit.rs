@@ -13,9 +13,10 @@
 
 use super::constants::{Joint, STAGE};
 use super::kick::OUTER;
+use super::levels::changed;
 use crate::angle::Angle;
 use crate::effect::{Effects, Motion, Winding};
-use crate::friction::Friction;
+use crate::friction::{Changed, Friction};
 use crate::scalar::Scalar;
 use crate::state::{Input, Mass, State};
 
@@ -55,18 +56,21 @@ impl<S: Scalar> Friction<S> {
     /// ζ after a stage of implicit Euler from `zeta`, `(ζ + y)/(1 + |y| ρ)` with the slip y at the
     /// stage's own speed, and the torque there.
     #[inline(always)]
-    fn implicit(&self, speed: S, zeta: S, inverse_level: S) -> Rubbed<S> {
+    fn implicit(&self, speed: S, zeta: S, changed: Changed<S>) -> Rubbed<S> {
         let curve = self.curve(speed);
+        let Changed { inverse_level, creep } = changed;
         let rho = curve.rho * inverse_level;
+        let (rate, bend) = creep.map_or((speed.abs(), S::ONE), |creep| creep.rate(speed));
         let per_speed = S::from_f64(2.0 * STAGE) * S::PER_REACH;
         let slip = speed.times(self.kappa) * per_speed;
-        let slipped = slip.abs() * rho;
+        let slipped = rate.times(self.kappa) * per_speed * rho;
         let kept = S::ONE.over(S::ONE + slipped);
         let bent = (slip - slipped * zeta) * kept;
         let zeta = zeta + bent;
-        let bending = S::ONE - zeta.along(speed) * (curve.slope() * inverse_level);
+        let slope = curve.slope() - curve.rho * (S::ONE - bend);
+        let bending = S::ONE - zeta.along(speed) * (slope * inverse_level);
         Rubbed {
-            torque: self.level * zeta + self.sigma1 * (speed - speed.abs() * rho * zeta),
+            torque: self.level * zeta + self.sigma1 * (speed - rate * rho * zeta),
             slope: (self.level.times(self.kappa) * per_speed + self.sigma1) * bending * kept,
             bent,
         }
@@ -219,7 +223,11 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         inverse_level: S,
         memory: &crate::effect::Memory<S>,
     ) -> Row<S> {
-        let rubbed = friction.implicit(mass.speed, from.bristle.zeta, inverse_level);
+        let rubbed = friction.implicit(
+            mass.speed,
+            from.bristle.zeta,
+            changed((&self.effects, number), inverse_level),
+        );
         mass.bristle.zeta = from.bristle.zeta + rubbed.bent;
         let viscous = if self.effects.has_damping(number) {
             friction.sigma2 * self.effects.viscous(number, mass.speed, memory)

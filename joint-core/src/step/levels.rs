@@ -8,7 +8,7 @@ use super::constants::Joint;
 use super::drift::turn_of;
 use crate::angle::Angle;
 use crate::effect::{Effects, Rubbing};
-use crate::friction::{Friction, Half, Turn};
+use crate::friction::{Changed, Creep, Friction, Half, Turn};
 use crate::scalar::Scalar;
 use crate::state::{Each, Mass, State};
 use crate::work::widely;
@@ -45,7 +45,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         let after = self.levels(state, state.angle.ahead(turned.times(self.half_turn)));
         let levels = [before.0, after.0];
         let half = if self.effects.has_level(0) {
-            flow_along(&self.rotor, &mut state.rotor, of_rotor.as_ref(), Some(levels))
+            let at = (&self.effects, 0);
+            flow_along(at, &self.rotor, &mut state.rotor, of_rotor.as_ref(), Some(levels))
         } else {
             self.rotor.flow_exactly(&mut state.rotor, of_rotor.as_ref())
         };
@@ -55,10 +56,21 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         for (((((stage, own), turn), number), (before, after)), half) in
             stages.zip(levels).zip(&mut halves.masses)
         {
+            let (own, at) = (&own.friction, (&self.effects, number));
             let levels = self.effects.has_level(number).then_some([before, after]);
-            *half = flow_along(&own.friction, &mut stage.mass, turn.as_ref(), levels);
+            *half = flow_along(at, own, &mut stage.mass, turn.as_ref(), levels);
         }
         halves
+    }
+
+    /// Friction torque on mass `number` as it was last found; not for the step.
+    #[inline(always)]
+    pub(crate) fn felt_by(&self, number: usize, friction: &Friction<S>, mass: &Mass<S>) -> S {
+        let felt = friction.felt(mass);
+        match self.effects.has_level(number) {
+            true => felt + crept((&self.effects, number), friction, mass),
+            false => felt,
+        }
     }
 
     /// One over the effects' factor on every friction level.
@@ -109,18 +121,57 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 }
 
+/// What effects change of the friction of a mass, by its number, whose level they divide by `inverse_level`.
+#[inline(always)]
+pub(super) fn changed<S: Scalar, E: Effects<S>>(
+    (effects, number): (&E, usize),
+    inverse_level: S,
+) -> Changed<S> {
+    let creep = if effects.has_level(number) { effects.creep(number) } else { None };
+    Changed { inverse_level, creep }
+}
+
+/// What is missing of a mass's friction torque where it gives way below breakaway.
+#[inline(never)]
+fn crept<S: Scalar, E: Effects<S>>(
+    (effects, number): (&E, usize),
+    friction: &Friction<S>,
+    mass: &Mass<S>,
+) -> S {
+    effects.creep(number).map_or(S::ZERO, |creep| friction.crept(mass, &creep))
+}
+
+/// [`Friction::settle`] as a function of its own.
+#[inline(never)]
+pub(super) fn settle<S: Scalar, E: Effects<S>>(
+    at: (&E, usize),
+    friction: &Friction<S>,
+    mass: &mut Mass<S>,
+    inverse_level: S,
+) {
+    let changed = changed(at, inverse_level);
+    widely!(<S>(
+        friction: &'a Friction<S> = friction,
+        mass: &'a mut Mass<S> = mass,
+        changed: Changed<S> = changed,
+    ) -> () { friction.settle(mass, changed) });
+}
+
 /// [`Friction::flow_along`] as a function of its own: every mass calls the same one.
 #[inline(never)]
-fn flow_along<S: Scalar>(
+fn flow_along<S: Scalar, E: Effects<S>>(
+    (effects, number): (&E, usize),
     friction: &Friction<S>,
     mass: &mut Mass<S>,
     turn: Option<&Turn<S>>,
     inverse_levels: Option<[S; 2]>,
 ) -> Half<S> {
+    let creep = inverse_levels.and_then(|_| effects.creep(number));
     widely!(<S>(
         friction: &'a Friction<S> = friction,
         mass: &'a mut Mass<S> = mass,
         turn: Option<&'a Turn<S>> = turn,
         inverse_levels: Option<[S; 2]> = inverse_levels,
-    ) -> Half<S> { friction.flow_along(mass, turn, inverse_levels) })
+        creep: Option<Creep<S>> = creep,
+    ) -> Half<S> { friction.flow_along(mass, turn, inverse_levels, creep) })
 }

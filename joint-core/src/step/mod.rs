@@ -26,6 +26,7 @@ use crate::effect::Effects;
 use crate::scalar::Scalar;
 use crate::state::{Each, Input, State};
 use crate::work::widely;
+use levels::settle;
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     /// Advances the state by one step under an input that is held over it.
@@ -96,9 +97,10 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             state: &'a mut State<S, N> = state,
         ) -> () {
             let (rotor, stages) = joint.levels(state, state.angle);
-            joint.rotor.settle(&mut state.rotor, rotor);
-            for ((stage, own), level) in state.stages.iter_mut().zip(&joint.stages).zip(stages) {
-                own.friction.settle(&mut stage.mass, level);
+            settle((&joint.effects, 0), &joint.rotor, &mut state.rotor, rotor);
+            let levels = stages.into_iter().zip(1..);
+            for ((stage, own), (level, k)) in state.stages.iter_mut().zip(&joint.stages).zip(levels) {
+                settle((&joint.effects, k), &own.friction, &mut stage.mass, level);
             }
             joint.forces(state, state.angle);
         });

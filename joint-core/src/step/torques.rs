@@ -29,7 +29,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         }
         let mut torques = Torques {
             motor: unit(state.current * factor),
-            motor_friction: unit(self.rotor.felt(&state.rotor)),
+            motor_friction: unit(self.felt_by(0, &self.rotor, &state.rotor)),
             stages: [S::ZERO; N],
             stage_friction: [S::ZERO; N],
         };
@@ -44,7 +44,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             }
             let damped = own.spring.damping_torque(before - stage.mass.speed);
             *torque = unit(sum + damped * felt.contact);
-            *friction = unit(own.friction.felt(&stage.mass));
+            *friction = unit(self.felt_by(number + 1, &own.friction, &stage.mass));
             wound = wound + stage.deflection;
             input = own.own_angle(state.angle.ahead(-wound.times(self.turns)));
             before = stage.mass.speed;

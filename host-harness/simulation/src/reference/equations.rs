@@ -314,7 +314,13 @@ impl Equations {
         match self.family {
             Family::LuGre | Family::LimitedViscous { .. } => {
                 let deflection = bristle.deflection;
-                let rate = speed - mass.sigma0 * speed.abs() * deflection / slip_level;
+                let slip = match &self.effects {
+                    Some(effects) => {
+                        effects.creep(number).map_or(speed.abs(), |creep| creep.rate(speed).0)
+                    }
+                    None => speed.abs(),
+                };
+                let rate = speed - mass.sigma0 * slip * deflection / slip_level;
                 let viscous = match self.family {
                     Family::LimitedViscous { limit } => {
                         limited_viscous::torque(viscous * speed, limit * mass.alpha0)
