@@ -46,13 +46,16 @@ class Effect:
     share: float
     """Part of what the refitted nominal misses on unseen samples, 0 to 1."""
     share_error: float
+    transfer_t: float | None
+    """Gain on the records of ``transfer`` over its standard error, given all other effects; None without any,
+    and for what is only possible."""
     rivals: list[Rival]
 
     @classmethod
     def _of(cls, raw: dict[str, Any]) -> Effect:
         rivals = [Rival(own["kind"], own["location"], own["confidence"]) for own in raw["rivals"]]
         own = ("kind", "location", "parameters", "standard_errors", "confidence", "share", "share_error")
-        return cls(**{name: raw[name] for name in own}, rivals=rivals)
+        return cls(**{name: raw[name] for name in own}, transfer_t=raw.get("transfer_t"), rivals=rivals)
 
 
 @dataclass(frozen=True)
@@ -202,7 +205,11 @@ class Discovery(_Reported):
         lines = [self.verdict]
         for effect in self.effects:
             share = f"{100 * effect.share:.0f} ± {100 * effect.share_error:.0f} % of the gap"
-            lines.append(f"  {effect.kind} ({effect.location}), confidence {effect.confidence:.2f}, {share}")
+            t = effect.transfer_t
+            elsewhere = "" if t is None else f", t {t:.1f} on other records"
+            lines.append(
+                f"  {effect.kind} ({effect.location}), confidence {effect.confidence:.2f}, {share}{elsewhere}"
+            )
         lines += [f"  possible: {own.kind} ({own.location})" for own in self.possible]
         lines += [f"  - {reason}" for reason in self.reasons]
         return "\n".join([*lines, f"next: {self.next_experiment}"])

@@ -5,16 +5,28 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Iterable
+from typing import Union
 
 from . import _native
 from ._log import Log, Table, native
 from ._native import Model
 from ._results import Check, Discovery, Finding, Identification, Observation, Simulation
 
+Logs = Union[Log, list[Log], tuple[Log, ...]]
+"""One log, or several."""
 
-def _read(log: Log) -> _native.Log:
+
+def _read(log: Log, level: int = 4) -> _native.Log:
     own = native(log)
-    _warn(own.warnings, level=4)
+    _warn(own.warnings, level)
+    return own
+
+
+def _all(logs: Logs) -> list[_native.Log]:
+    # No comprehension: before Python 3.12 it is a frame of its own.
+    own = []
+    for log in logs if isinstance(logs, (list, tuple)) else [logs]:
+        own.append(_read(log, level=5))
     return own
 
 
@@ -36,20 +48,22 @@ def check(log: Log, model: Model) -> Check:
 
 
 def discover(
-    log: Log | list[Log] | tuple[Log, ...],
+    log: Logs,
     model: Model,
     *,
+    transfer: Logs = (),
     without: Iterable[str] = (),
     anyway: bool = False,
 ) -> Discovery:
     """Finds, names and adds what a model misses in a log, or in several of the same joint.
 
+    ``transfer`` are other records of the joint, to which nothing is fitted but the level of friction and the noise:
+    effects that they speak against are only possible, and ``transfer_t`` of those that stay tells by how much.
     ``without`` are kinds of effects that are not considered. ``anyway`` goes on where log and model cannot
     both be right. Raises JointError for bad input, KeyboardInterrupt for Ctrl-C.
     """
-    logs = list(log) if isinstance(log, (list, tuple)) else [log]
     verdict, improved, residuals, report, told = _native.discover(
-        model, [_read(own) for own in logs], list(without), anyway
+        model, (_all(log), _all(transfer)), list(without), anyway
     )
     _warn(told)
     return Discovery(improved, report, json.loads(verdict), Table(dict(residuals)))

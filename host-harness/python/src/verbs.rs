@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use host_harness::discover::discover_without;
+use host_harness::discover::discover_beside;
 use host_harness::identify as refit;
 use host_harness::model::Model as Joint;
 use host_harness::preflight::{self, Severity};
@@ -49,12 +49,12 @@ pub(crate) fn check(py: Python<'_>, model: &Model, log: &Log) -> PyResult<String
     })
 }
 
-/// `verdict.json`, the improved model, `residuals.csv` as columns, the report, and warnings.
+/// Of logs and other records: `verdict.json`, the improved model, `residuals.csv` as columns, the report, and warnings.
 #[pyfunction]
 pub(crate) fn discover<'py>(
     py: Python<'py>,
     model: &Model,
-    logs: Vec<PyRef<'py, Log>>,
+    logs: (Vec<PyRef<'py, Log>>, Vec<PyRef<'py, Log>>),
     without: Vec<String>,
     anyway: bool,
 ) -> PyResult<(String, Model, Columns<'py>, String, Vec<String>)> {
@@ -68,16 +68,20 @@ pub(crate) fn discover<'py>(
         })
     };
     let kinds = without.iter().map(kind).collect::<PyResult<Vec<_>>>()?;
+    let (logs, others) = logs;
     let mut warnings = Vec::new();
-    for log in &logs {
+    for log in logs.iter().chain(&others) {
         warnings.extend(checked(&model.0, log, anyway)?);
     }
-    let logs: Vec<_> = logs.iter().map(|log| log.log.clone()).collect();
+    let owned =
+        |logs: &[PyRef<'py, Log>]| logs.iter().map(|log| log.log.clone()).collect::<Vec<_>>();
+    let (logs, others) = (owned(&logs), owned(&others));
     let model = model.0.clone();
     let (findings, page) = running(py, move || {
-        let findings = discover_without(&model, &logs, &kinds, &ProgressBar::hidden())?;
-        let source =
-            Source::in_memory("joint_model.discover(logs, model)".to_owned(), &model, &logs);
+        let findings = discover_beside(&model, (&logs, &others), &kinds, &ProgressBar::hidden())?;
+        let transfer = if others.is_empty() { "" } else { ", transfer=others" };
+        let command = format!("joint_model.discover(logs, model{transfer})");
+        let source = Source::in_memory(command, &model, &logs);
         let page = report::html(&findings, &logs, &source);
         Ok((findings, page))
     })?

@@ -6,6 +6,7 @@ import io
 import math
 import os
 import pickle
+import random
 import runpy
 import signal
 import tempfile
@@ -27,6 +28,25 @@ def example():
             example.names = runpy.run_path(str(EXAMPLE))
         example.printed = printed.getvalue()
     return example.names
+
+
+def another_day(joint, seed):
+    """Another record of the example's joint, by another motion, rubbing a tenth harder."""
+    names = example()
+    harder = joint.replace("coulomb_nm = 0.014", "coulomb_nm = 0.0154")
+    time = names["time"][:5000]
+    voltage = [2.5 * math.sin(2 * math.pi * 1.3 * t) + 2.0 * math.sin(2 * math.pi * (1 + 5 * t) * t) for t in time]
+    still = [0.0] * len(time)
+    drive = {"t_s": time, "u_v": voltage, "i_a": still, "motor_angle_rad": still, "output_angle_rad": still}
+    run = jm.simulate(drive, jm.Model.from_toml(harder), from_rest=True)
+    noise = random.Random(seed)
+    return {
+        "t_s": time,
+        "u_v": voltage,
+        "i_a": [current + noise.gauss(0, 0.02) for current in run["i_a"]],
+        "motor_angle_rad": names["counted"](run["motor_angle_rad"], 16384),
+        "output_angle_rad": names["counted"](run["output_angle_rad"], 65536),
+    }
 
 
 class Results(unittest.TestCase):
@@ -80,6 +100,52 @@ class Results(unittest.TestCase):
             self.assertLess(abs(one - other), 0.01 * largest)
         reference = jm.simulate(names["drive"], names["truth"], from_rest=True, method="reference")
         self.assertEqual(list(reference), list(double))
+
+
+class Transfer(unittest.TestCase):
+    def test_a_name_that_other_records_bear_out_stays_with_its_t(self):
+        import pandas
+
+        names = example()
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "other.csv"
+            jm.Table(another_day(names["NOMINAL"] + names["HIDDEN"], 1)).to_csv(path)
+            frame = pandas.DataFrame(another_day(names["NOMINAL"] + names["HIDDEN"], 2))
+            found = jm.discover(names["log"], names["nominal"], transfer=[path, frame])
+        first = found.effects[0]
+        self.assertEqual((first.kind, first.location), ("cogging", "motor"))
+        # Beyond chance at 5 %, one-sided.
+        self.assertGreater(first.transfer_t, 1.645)
+        self.assertEqual(found.to_pandas()["transfer_t"][0], first.transfer_t)
+        self.assertIn(f"t {first.transfer_t:.1f} on other records", str(found))
+        self.assertIn("transfer=others", found.report_html)
+
+    def test_a_name_that_another_record_speaks_against_is_only_possible(self):
+        names = example()
+        without = another_day(names["NOMINAL"], 3)
+        found = jm.discover(names["log"], names["nominal"], transfer=without)
+        self.assertNotIn("cogging", [own.kind for own in found.effects])
+        self.assertNotIn("cogging", [kind for kind, _ in found.model.effects])
+        self.assertIn("cogging", [own.kind for own in found.possible])
+        # The same log alone bears the name out.
+        self.assertIn("cogging", [own.kind for own in names["found"].effects])
+
+    def test_without_other_records_there_is_no_t_of_them(self):
+        self.assertEqual({own.transfer_t for own in example()["found"].effects}, {None})
+
+    def test_another_record_is_checked_as_a_log_is(self):
+        names = example()
+        another = another_day(names["NOMINAL"], 4)
+        current = {name: values for name, values in another.items() if name != "u_v"}
+        with self.assertRaisesRegex(jm.JointError, "all need u_v, or none"):
+            jm.discover(names["log"], names["nominal"], transfer=[current])
+        backwards = {**another, "output_angle_rad": [-value for value in another["output_angle_rad"]]}
+        with self.assertRaisesRegex(jm.JointError, "anyway=True"):
+            jm.discover(names["log"], names["nominal"], transfer=[backwards])
+        unknown = {**another, "humidity": another["t_s"]}
+        with self.assertWarnsRegex(UserWarning, "humidity") as warned, self.assertRaises(jm.JointError):
+            jm.discover(names["log"], names["nominal"], transfer=[unknown, current])
+        self.assertEqual(warned.filename, __file__)
 
 
 class Inputs(unittest.TestCase):
