@@ -112,7 +112,7 @@ impl Ruler {
         let ticks = match self.scale {
             _ if !self.ticks.is_empty() => self.ticks.clone(),
             Scale::Linear => even(span, about),
-            Scale::Log => decades(span),
+            Scale::Log => decades(span, about),
         };
         let place = |at: f64| (at - self.low) / (self.high - self.low);
         ticks.into_iter().map(|(at, text)| (place(at), text)).collect()
@@ -135,7 +135,7 @@ fn even([low, high]: [f64; 2], about: f64) -> Vec<(f64, String)> {
     let decimals = (-step.log10().floor()).clamp(0.0, 20.0) as usize;
     let tiny = low.abs().max(high.abs()) < 1e-3 || high.abs().max(low.abs()) >= 1e6;
     let first = (low / step).ceil();
-    (0..=(3.0 * about) as usize)
+    let ticks: Vec<(f64, String)> = (0..=(3.0 * about) as usize)
         .map(|k| (first + k as f64) * step)
         .take_while(|value| *value <= high + 1e-9 * step)
         .map(|value| {
@@ -147,13 +147,18 @@ fn even([low, high]: [f64; 2], about: f64) -> Vec<(f64, String)> {
             };
             (value, label)
         })
-        .collect()
+        .collect();
+    // One number alone says nothing of the scale.
+    if ticks.len() < 2 && about < 20.0 { even([low, high], 2.0 * about) } else { ticks }
 }
 
-/// Powers of ten between two logarithms, and 2 and 5 times them where there are few.
-fn decades([low, high]: [f64; 2]) -> Vec<(f64, String)> {
+/// Powers of ten between two logarithms, and 2 and 5 times them where there are few; at most about twice so many
+/// powers.
+fn decades([low, high]: [f64; 2], about: f64) -> Vec<(f64, String)> {
     let within: &[i32] = if high - low > 3.5 { &[1] } else { &[1, 2, 5] };
+    let apart = ((high - low) / (2.0 * about)).ceil().max(1.0) as i32;
     (low.floor() as i32..=high.floor() as i32)
+        .filter(|power| power % apart == 0)
         .flat_map(|power| within.iter().map(move |factor| (*factor, power)))
         .map(|(factor, power)| (f64::from(factor).log10() + f64::from(power), factor, power))
         .filter(|(at, ..)| (low - 1e-9..=high + 1e-9).contains(at))
@@ -214,9 +219,16 @@ mod tests {
     }
 
     #[test]
+    fn an_even_axis_has_two_numbers_at_least() {
+        assert_eq!(texts(even([-0.9, 0.95], 3.0)), ["-0.5", "0", "0.5"]);
+    }
+
+    #[test]
     fn ticks_of_a_logarithmic_axis_are_powers_of_ten_and_within_few_of_them_2_and_5() {
-        assert_eq!(texts(decades([-5.0, -1.0])), ["10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1"]);
-        assert_eq!(texts(decades([0.0, 1.0])), ["1", "2", "5", "10"]);
+        assert_eq!(texts(decades([-5.0, -1.0], 8.0)), ["10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1"]);
+        assert_eq!(texts(decades([0.0, 1.0], 8.0)), ["1", "2", "5", "10"]);
+        // Thirteen powers and room for six.
+        assert_eq!(texts(decades([-8.0, 5.0], 3.0)), ["10⁻⁶", "0.001", "1", "1000"]);
         assert_eq!(power_of_ten(2, 6), "2·10⁶");
     }
 }

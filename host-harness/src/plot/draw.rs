@@ -225,11 +225,13 @@ impl Plot<'_> {
         let (right, bottom) = (left + width, top + height);
         for (place, label) in x.ticks((width / 80.0).max(4.0)) {
             let (at, share) = (left + place * width, (1e4 * place).round() / 1e4);
+            let whole = right + RIGHT - 0.5 * LETTER * label.chars().count() as f64;
             let _ = write!(
                 svg,
                 "<path d=\"M{at:.1} {top}V{bottom}\" class=\"grid\" data-of=\"x\" data-at=\"{share}\"/>\
-                 <text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\" data-of=\"x\" \
+                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" data-of=\"x\" \
                  data-at=\"{share}\">{}</text>",
+                at.min(whole),
                 bottom + 14.0,
                 escape(&label)
             );

@@ -12,17 +12,24 @@
     const raw = (high - low) / about, power = 10 ** Math.floor(Math.log10(raw)), values = [];
     const step = power * [1, 2, 5, 10].find(f => f * power >= 0.999 * raw);
     for (let k = Math.ceil(low / step); k * step <= high && values.length < 40; k++) values.push(k * step);
+    // One number alone says nothing of the scale.
+    if (values.length < 2 && about < 20) return round(low, high, 2 * about);
     const most = Math.max(Math.abs(low), Math.abs(high));
     const places = Math.min(20, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
     return values.map(v => [v, Math.abs(v) < 1e-9 * step ? '0' : most < 1e-3 || most >= 1e6
       ? v.toExponential(2) : v.toFixed(places)]);
   };
-  const decades = (low, high) => {
+  const raised = power => String(power).replace(/./g, c => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(c)]);
+  const powerOfTen = (factor, power) => (Math.abs(power) <= 3 ? String(+(factor * 10 ** power).toPrecision(1))
+    : `${factor === 1 ? '' : `${factor}·`}10${raised(power)}`);
+  const decades = (low, high, about) => {
     const values = [], within = high - low > 3.5 ? [1] : [1, 2, 5];
+    const apart = Math.max(1, Math.ceil((high - low) / (2 * about)));
     for (let power = Math.floor(low); power <= high; power++) {
+      if (power % apart) continue;
       for (const factor of within) {
         const at = power + Math.log10(factor);
-        if (at >= low && at <= high) values.push([at, String(+(factor * 10 ** power).toPrecision(1))]);
+        if (at >= low && at <= high) values.push([at, powerOfTen(factor, power)]);
       }
     }
     if (values.length > 1) return values;
@@ -54,34 +61,53 @@
     };
     const pixel = v => (v - full.x[0]) / (full.x[1] - full.x[0]) * width;
     const written = (axis, v, digits) => String(+(log[axis] ? 10 ** v : v).toPrecision(digits));
-    const wanted = (axis, from, to, about) => (log[axis] ? decades(from, to) : round(from, to, about));
+    const wanted = (axis, from, to, about) => (log[axis] ? decades : round)(from, to, about);
+
+    // The name of a dot stands beside it where it is whole and covers no other, or nowhere: the dot's note says more.
+    const label = () => {
+      const [x, w, y, h] = seen, taken = [];
+      for (const text of field.querySelectorAll('text')) {
+        const [a, b] = [number(text, 'x'), number(text, 'y')], long = text.getComputedTextLength();
+        const [right, up] = [(a - 6 - x) / w * shown, (b + 6 - y) / h * height];
+        const places = [[6, -6], [-6 - long, -6], [6, 14], [-6 - long, 14]]
+          .map(([aside, down]) => [right + aside, up + down])
+          .filter(([from, foot]) => from >= 0 && from + long <= shown && foot >= 10 && foot <= height - 3)
+          .filter(([from, foot]) => taken.every(([f, t, under]) => from > t + 2 || from + long < f - 2
+            || Math.abs(foot - under) > 12));
+        text.setAttribute('visibility', places.length ? 'visible' : 'hidden');
+        if (!places.length) continue;
+        const [from, foot] = places[0];
+        taken.push([from, from + long, foot]);
+        text.setAttribute('transform', `translate(${x + from * w / shown} ${y + foot * h / height}) `
+          + `scale(${w / shown} ${h / height}) translate(${-a} ${-b})`);
+      }
+    };
+    // Where a number below the field stands whole.
+    const inside = (node, at) => Math.min(at, shown + natural - width - node.getComputedTextLength() / 2);
 
     const show = () => {
       const [x, w, y, h] = seen, bottom = top + height;
       field.setAttribute('viewBox', `${x} ${y} ${w} ${h}`);
       const whole = w >= width * 0.9999;
       if (reset) reset.hidden = whole;
-      for (const text of field.querySelectorAll('text')) {
-        const [a, b] = [number(text, 'x'), number(text, 'y')];
-        text.setAttribute('transform',
-          `translate(${a} ${b}) scale(${w / shown} ${h / height}) translate(${-a} ${-b})`);
-      }
+      label();
       const marked = axis => data.marked.includes(axis);
       const kept = axis => [...ticks.children].filter(node => node.dataset.of === axis);
       for (const axis of ['x', 'y']) if (!marked(axis)) kept(axis).forEach(node => node.remove());
       if (!marked('x')) {
         const [from, to] = [value.x(x), value.x(x + w)];
-        for (const [v, label] of wanted('x', from, to, Math.max(4, shown / 80))) {
+        for (const [v, text] of wanted('x', from, to, Math.max(4, shown / 80))) {
           const at = left + (v - from) / (to - from) * shown;
           make('path', {d: `M${at} ${top}V${bottom}`, class: 'grid', 'data-of': 'x'}, ticks);
-          make('text', {x: at, y: bottom + 14, 'text-anchor': 'middle', 'data-of': 'x'}, ticks)
-            .textContent = label;
+          const node = make('text', {y: bottom + 14, 'text-anchor': 'middle', 'data-of': 'x'}, ticks);
+          node.textContent = text;
+          node.setAttribute('x', inside(node, at));
         }
       } else {
         for (const node of kept('x')) {
           const at = left + (+node.dataset.at * width - x) / w * shown;
           if (node.tagName === 'path') node.setAttribute('d', `M${at} ${top}V${bottom}`);
-          else node.setAttribute('x', at);
+          else node.setAttribute('x', inside(node, at));
         }
       }
       if (marked('y')) {
@@ -93,11 +119,11 @@
         return;
       }
       const [under, over] = [value.y(y + h), value.y(y)];
-      for (const [v, label] of wanted('y', under, over, Math.min(8, Math.max(3, height / 28)))) {
+      for (const [v, text] of wanted('y', under, over, Math.min(8, Math.max(3, height / 28)))) {
         const at = top + (over - v) / (over - under) * height;
         make('path', {d: `M${left} ${at}H${left + shown}`, class: 'grid', 'data-of': 'y'}, ticks);
         make('text', {x: left - 5, y: at + 3.5, 'text-anchor': 'end', 'data-of': 'y'}, ticks)
-          .textContent = label;
+          .textContent = text;
       }
     };
 

@@ -5,6 +5,7 @@ use std::process::Command;
 use super::html;
 use super::tests::{findings, log, source, without_a_name};
 use crate::discover::findings::Answer;
+use crate::plot::{self, Axis, Ink, Mark, Plot, Series};
 
 /// Collects what goes wrong, before anything else runs.
 const WATCH: &str = "<script>window.wrong=[];addEventListener('error',e=>wrong.push(e.message));\
@@ -21,6 +22,23 @@ const TRY: &str = r#"<script>addEventListener('load',()=>{
   claim('the window is as narrow as asked', innerWidth === +document.body.dataset.width);
   claim('nothing is wider than the screen',
     document.scrollingElement.scrollWidth <= document.documentElement.clientWidth);
+  claim('no table is wider than its page',
+    [...document.querySelectorAll('.wide')].every(own => own.scrollWidth <= own.clientWidth + 1));
+  const beside = [...document.querySelectorAll('.field text')];
+  claim('a dot has its name', !beside.length || beside.some(own => getComputedStyle(own).visibility === 'visible'));
+  for (const plot of plots) {
+    const sheet = plot.getBoundingClientRect();
+    const texts = [...plot.querySelectorAll('text')].filter(own => getComputedStyle(own).visibility === 'visible')
+      .map(own => [own.textContent, own.getBoundingClientRect()]);
+    for (const [text, box] of texts) {
+      claim(`${text} is whole`, box.left > sheet.left - 1 && box.right < sheet.right + 1
+        && box.top > sheet.top - 1 && box.bottom < sheet.bottom + 1);
+    }
+    // Lines of text share the blank above and below their letters.
+    texts.forEach(([text, one], k) => texts.slice(0, k).forEach(([before, other]) => claim(`${text} leaves ${before} free`,
+      Math.min(one.right, other.right) - Math.max(one.left, other.left) < 1
+      || Math.min(one.bottom, other.bottom) - Math.max(one.top, other.top) < 4)));
+  }
   const linked = plots.filter(plot => plot.dataset.link === 'time');
   const seen = plot => plot.querySelector('.field').getAttribute('viewBox').split(' ').map(Number);
   const width = plot => +plot.dataset.wide;
@@ -111,5 +129,32 @@ fn a_browser_draws_every_page_zooms_it_and_needs_no_sideways_scroll() {
             };
             assert_eq!(told, "all holds", "{:?} at {width} pixels", findings.verdict.verdict);
         }
+    }
+}
+
+/// Dots that crowd, one at the edge, over thirteen powers of ten, above a written end of an axis.
+fn crowded() -> String {
+    let across = vec![1.0, 1.02, 1.04, 5.0];
+    let labels = ["0.250 µs", "0.100 µs", "0.050 µs", "0.025 µs"].map(str::to_owned).to_vec();
+    let up = vec![1e-8, 1.1e-8, 1.2e-8, 1e5];
+    let series = Series { labels, ..Series::new("step", Ink::Nth(0), Mark::Dots, across, up) };
+    let marked = vec![(1.0, "1 (forced)".to_owned()), (5.0, "5 (chosen)".to_owned())];
+    let plot = Plot::new(
+        "Crowded",
+        Axis::log("micro-steps", "").marked(marked).within([0.9, 5.0]),
+        Axis::log("worst relative RMS error of a state", "%"),
+    );
+    let plot = Plot { series: vec![series], ..plot.sized(560.0, 240.0).explained() };
+    plot::page("Crowded", &plot.svg())
+}
+
+#[test]
+fn a_browser_draws_every_label_whole_and_none_over_another() {
+    for width in [1280, 390] {
+        let Some(told) = tried(&crowded(), width, 1) else {
+            eprintln!("skipped: a_browser_draws_every_label (no Chromium on the path)");
+            return;
+        };
+        assert_eq!(told, "all holds", "at {width} pixels");
     }
 }

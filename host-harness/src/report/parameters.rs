@@ -114,7 +114,7 @@ pub(super) fn unnamed(page: &mut String, maps: &[Named]) {
 /// The parameters of an effect.
 fn values(page: &mut String, own: &Named) {
     page.push_str(
-        "<div class=wide><table><tr><th>parameter<th class=n>value, ± one standard error<th class=n>interval of \
+        "<div class=wide><table class=cards><tr><th>parameter<th class=n>value, ± one standard error<th class=n>interval of \
          95 %</tr>\n",
     );
     for (key, value) in &own.parameters {
@@ -125,7 +125,7 @@ fn values(page: &mut String, own: &Named) {
         });
         let _ = writeln!(
             page,
-            "<tr title=\"{}\"><td>{}<td class=n>{}<td class=n>{}</tr>",
+            "<tr title=\"{}\"><td>{}<td class=n data-h=\"value, ± one standard error\">{}<td class=n data-h=\"interval of 95 %\">{}</tr>",
             escape(key),
             escape(&name.replace('_', " ")),
             escape(&si_with_sigma(*value, sigma, unit)),

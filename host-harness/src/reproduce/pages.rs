@@ -285,16 +285,17 @@ pub fn page(numbers: &[Number], figures: &[Figure<'_>]) -> String {
 /// Every number beside ours.
 fn table(body: &mut String, numbers: &[Number]) {
     body.push_str(
-        "<h2>Every number</h2>\n<div class=wide><table><tr><th>figure<th>quantity<th class=n>paper<th class=n>ours\
+        "<h2>Every number</h2>\n<div class=wide><table class=cards><tr><th>quantity<th>figure<th class=n>paper<th class=n>ours\
          <th>unit<th>agrees<th>note</tr>\n",
     );
     for row in numbers {
         let _ = writeln!(
             body,
-            "<tr class={}><td>{}<td>{}<td class=n>{}<td class=n>{}<td>{}<td>{}{}<td>{}</tr>",
+            "<tr class={}><td>{}<td data-h=figure>{}<td class=n data-h=paper>{}<td class=n data-h=ours>{}<td data-h=unit>{}\
+             <td data-h=agrees>{}{}<td data-h=note>{}</tr>",
             if row.agrees { "yes" } else { "no" },
-            escape(&row.figure),
             escape(&row.quantity),
+            escape(&row.figure),
             escape(&row.paper.to_string()),
             digits(row.ours, 3),
             row.unit,
