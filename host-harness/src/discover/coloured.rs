@@ -21,7 +21,7 @@ use super::hypothesis::{Hypothesis, first_of_each, run_through};
 use super::needless::{bare, drop_needless, without};
 use super::order::ask_order;
 use super::score_test::{Gain, ScoreTest};
-use super::search::{Contender, LEAST_GAIN, LOST, Round, Search, Stage, excess, title};
+use super::search::{CALM, Contender, LEAST_GAIN, LOST, Round, Search, Stage, excess, title};
 use super::whereabouts::{of_push, pushed};
 use crate::estimate::colour::coloured;
 use crate::estimate::filter::{Equation, Linearisation, Noise, Walk};
@@ -57,7 +57,8 @@ pub(super) fn beside_disturbance(
     found: &Search,
     noise: bool,
 ) -> Result<Option<Search>, BuildError> {
-    if interrupt::asked() || noise && found.rounds.is_empty() {
+    let none = found.rounds.is_empty();
+    if interrupt::asked() || noise && none && excess(found) <= CALM {
         return Ok(None);
     }
     found.bar.set_message("asking whether the joint is disturbed");
@@ -69,7 +70,7 @@ pub(super) fn beside_disturbance(
     }
     let mut other = found.clone();
     refitted(&problem, &mut other.after, &found.expected, &disturbance)?;
-    if noise {
+    if noise && !none {
         eliminate(&problem, &mut other)?;
         if other.rounds.len() == found.rounds.len() {
             return Ok(None);

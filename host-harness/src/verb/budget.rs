@@ -56,6 +56,7 @@ const SOFT: &str = "thumbv7em-none-eabi";
 /// The limits cannot be read, or the firmware cannot be built or run.
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    source_in(&root)?;
     if let Some(path) = &args.model {
         let (model, step_s) = (read_model(path)?, 1e-6 * args.period_us);
         let bar = common.progress(0, "building and counting");
@@ -91,6 +92,18 @@ pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     }
     let json = json!(measured);
     Ok(Outcome { json, text: text.trim_end().to_owned(), passed })
+}
+
+/// What is counted is built from source, which a program that was installed from a package has not beside it.
+fn source_in(root: &Path) -> Result<(), Failure> {
+    if root.join("firmware/Cargo.toml").is_file() {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "there is no source of the firmware in {}, where `joint` was built\n  help: in a copy of the repository: \
+         cargo run --release --package host-harness -- budget",
+        root.display()
+    )))
 }
 
 fn limits(path: &Path) -> Result<BTreeMap<String, u64>, Failure> {
@@ -272,6 +285,15 @@ mod tests {
         let limits = limits(&root.join("budgets.toml")).unwrap();
         assert_eq!(limits.get("step_f32_instructions"), Some(&700));
         assert!(limits.len() >= 8);
+    }
+
+    #[test]
+    fn a_program_away_from_its_source_says_what_is_not_there() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        assert!(source_in(&root).is_ok());
+        let elsewhere = tempfile::tempdir().unwrap();
+        let told = format!("{:?}", source_in(elsewhere.path()));
+        assert!(told.contains("no source of the firmware"), "{told}");
     }
 
     #[test]
