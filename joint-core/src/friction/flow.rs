@@ -60,12 +60,15 @@ impl<S: LuGre> Friction<S> {
         let Some([start, end]) = inverse_levels else { return self.flow(mass, turn) };
         let curve = self.curve(mass.speed);
         let reach = mass.speed.times(self.kappa);
-        let (mut slip, mut bend, mut slid) = (reach.abs(), S::ONE, S::ONE);
+        let (mut slip, mut level, mut slope) = (reach.abs(), curve.level, curve.slope());
+        let mut turn = turn.copied();
         if let Some(creep) = creep {
-            let (rate, slope) = creep.rate(mass.speed);
-            (slip, bend, slid) = (rate.times(self.kappa), slope, mass.speed.abs().ratio(rate));
+            let (rate, bend) = creep.rate(mass.speed);
+            slip = rate.times(self.kappa);
+            level = level * mass.speed.abs().ratio(rate);
+            slope = slope - curve.rho * (S::ONE - bend);
+            turn = turn.map(|turn| turn.rounded(bend));
         }
-        let slope = curve.slope() - curve.rho * (S::ONE - bend);
         let decay = slip * S::PER_REACH * curve.rho * (start + end) * S::HALF;
         let three = S::ONE + S::ONE + S::ONE;
         let square = decay * decay;
@@ -75,11 +78,10 @@ impl<S: LuGre> Friction<S> {
         );
         let way = above.over(below);
         let (first, last) = (S::ONE.over(start), S::ONE.over(end));
-        let target = (first + (last - first) * way) * curve.level * slid;
+        let target = (first + (last - first) * way) * level;
         let target = target.along(mass.speed);
         let series = decay * (S::ONE + decay * (S::HALF + decay * S::SIXTH));
         let Bristle { zeta, lost, .. } = mass.bristle;
-        let turn = turn.map(|turn| turn.rounded(bend));
         let zeta =
             Turn::applied(turn.as_ref(), zeta, Half { reach: reach.abs(), slope: slope * start });
         let (zeta, lost) = zeta.plus((series * (target - zeta)).over(S::ONE + series), lost);

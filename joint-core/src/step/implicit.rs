@@ -60,14 +60,17 @@ impl<S: Scalar> Friction<S> {
         let curve = self.curve(speed);
         let Changed { inverse_level, creep } = changed;
         let rho = curve.rho * inverse_level;
-        let (rate, bend) = creep.map_or((speed.abs(), S::ONE), |creep| creep.rate(speed));
         let per_speed = S::from_f64(2.0 * STAGE) * S::PER_REACH;
         let slip = speed.times(self.kappa) * per_speed;
-        let slipped = rate.times(self.kappa) * per_speed * rho;
+        let (mut rate, mut slipped, mut slope) = (speed.abs(), slip.abs() * rho, curve.slope());
+        if let Some(creep) = creep {
+            let (faster, bend) = creep.rate(speed);
+            (rate, slipped) = (faster, faster.times(self.kappa) * per_speed * rho);
+            slope = slope - curve.rho * (S::ONE - bend);
+        }
         let kept = S::ONE.over(S::ONE + slipped);
         let bent = (slip - slipped * zeta) * kept;
         let zeta = zeta + bent;
-        let slope = curve.slope() - curve.rho * (S::ONE - bend);
         let bending = S::ONE - zeta.along(speed) * (slope * inverse_level);
         Rubbed {
             torque: self.level * zeta + self.sigma1 * (speed - rate * rho * zeta),
