@@ -183,6 +183,10 @@ pub(super) fn keep<S>(all: &mut Relaxations<S>, slot: u8, relaxation: Relaxation
 
 /// The hooks. One whose `has_` says no is not called.
 pub trait Effects<S: Scalar> {
+    /// Whether only a run says what it does: then what it may change is a function of its own, once in a
+    /// flash, where it costs a call.
+    const CHOSEN: bool = false;
+
     /// Whether [`Effects::torque`] is to be called for this mass: it needs the mass's angle.
     #[inline(always)]
     fn has_torque(&self, _mass: usize) -> bool {

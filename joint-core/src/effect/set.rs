@@ -223,6 +223,8 @@ macro_rules! asked {
 // What is asked only where its `has_` says so is a function of its own: every number of stages calls
 // the same one, and a flash of 128 KiB holds all laws once instead of a dozen times.
 impl<S: Scalar> Effects<S> for EffectSet<S> {
+    const CHOSEN: bool = true;
+
     #[inline(always)]
     fn has_torque(&self, mass: usize) -> bool {
         is_marked(self.uses.torques, mass)

@@ -19,6 +19,7 @@ use crate::effect::{Effects, Motion, Winding};
 use crate::friction::{Changed, Friction};
 use crate::scalar::Scalar;
 use crate::state::{Input, Mass, State};
+use crate::work::widely;
 
 /// Whether this build has the implicit method.
 pub const IMPLICIT: bool = cfg!(feature = "implicit");
@@ -78,6 +79,22 @@ impl<S: Scalar> Friction<S> {
             bent,
         }
     }
+}
+
+/// [`Friction::implicit`] of a mass whose friction effects change, by its number, as a function of its own.
+#[inline(never)]
+fn implicitly<S: Scalar, E: Effects<S>>(
+    at: (&E, usize),
+    friction: &Friction<S>,
+    [speed, zeta, inverse_level]: [S; 3],
+) -> Rubbed<S> {
+    let changed = changed(at, inverse_level);
+    widely!(<S>(
+        friction: &'a Friction<S> = friction,
+        speed: S = speed,
+        zeta: S = zeta,
+        changed: Changed<S> = changed,
+    ) -> Rubbed<S> { friction.implicit(speed, zeta, changed) })
 }
 
 impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
@@ -226,11 +243,12 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         inverse_level: S,
         memory: &crate::effect::Memory<S>,
     ) -> Row<S> {
-        let rubbed = friction.implicit(
-            mass.speed,
-            from.bristle.zeta,
-            changed((&self.effects, number), inverse_level),
-        );
+        let (speed, zeta) = (mass.speed, from.bristle.zeta);
+        let rubbed = if self.effects.has_level(number) {
+            implicitly((&self.effects, number), friction, [speed, zeta, inverse_level])
+        } else {
+            friction.implicit(speed, zeta, Changed { inverse_level: S::ONE, creep: None })
+        };
         mass.bristle.zeta = from.bristle.zeta + rubbed.bent;
         let viscous = if self.effects.has_damping(number) {
             friction.sigma2 * self.effects.viscous(number, mass.speed, memory)

@@ -141,9 +141,24 @@ fn crept<S: Scalar, E: Effects<S>>(
     effects.creep(number).map_or(S::ZERO, |creep| friction.crept(mass, &creep))
 }
 
-/// [`Friction::settle`] as a function of its own.
-#[inline(never)]
+/// [`Friction::settle`] of a mass by its number.
+#[inline(always)]
 pub(super) fn settle<S: Scalar, E: Effects<S>>(
+    (effects, number): (&E, usize),
+    friction: &Friction<S>,
+    mass: &mut Mass<S>,
+    inverse_level: S,
+) {
+    if E::CHOSEN || effects.has_level(number) {
+        settle_changed((effects, number), friction, mass, inverse_level);
+    } else {
+        friction.settle(mass, Changed { inverse_level: S::ONE, creep: None });
+    }
+}
+
+/// The same of one whose friction effects change, as a function of its own.
+#[inline(never)]
+fn settle_changed<S: Scalar, E: Effects<S>>(
     at: (&E, usize),
     friction: &Friction<S>,
     mass: &mut Mass<S>,
