@@ -140,6 +140,7 @@ pub fn discover_beside(
     {
         (shape, found) = (Some(model), other);
         remainder = Remainder::of(&problem, &found.after.fit, &found.expected, &fitted)?;
+        // A shape is another law's near likeness: what it leaves may be a disturbance even if it passes for noise.
         noise = false;
     }
     let given = nominal;

@@ -11,14 +11,14 @@ use rayon::prelude::*;
 
 use super::search::{HELPS, LEAST_GAIN, LOST, Search, Stage, excess, search};
 use crate::estimate::coordinates::Coordinate;
-use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::fit::Problem;
 use crate::estimate::refit::{self, cost};
 use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
 use crate::plot::text::si;
 
-/// A value of the effect: which, and where a fit of it begins, by the friction of its mass.
+/// A value of the effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Value {
     Creep,
@@ -34,11 +34,11 @@ impl Value {
         }
     }
 
-    /// Size at which it matters, where friction falls at `slow` and the mass moves at `speed` mostly.
-    fn scale(self, slow: f64, speed: f64) -> f64 {
+    /// Size at which it matters, where friction falls at the speed `slow`.
+    fn scale(self, slow: f64) -> f64 {
         match self {
             Value::Creep => 0.1 * slow,
-            Value::Thinning => 0.3 / speed,
+            Value::Thinning => 0.3 / (TYPICAL * slow),
         }
     }
 }
@@ -68,8 +68,6 @@ pub(super) fn shaped(
     let samples = problem.mask.iter().sum::<f64>().max(2.0);
     let price = LEAST_GAIN + samples.ln() * rubbing.len() as f64;
     let expected = &found.expected;
-    let helps =
-        |fit: &Fit, plain: &Fit| fit.noise.times(expected) < HELPS * plain.noise.times(expected);
     let plain = &found.before.fit;
     let trials = [Value::Creep, Value::Thinning].into_par_iter().map(|value| {
         let Stage { fit, origin } = with_shape(&found.before, &rubbing, value);
@@ -78,7 +76,10 @@ pub(super) fn shaped(
         Ok(Stage { fit, origin })
     });
     let trials = trials.collect::<Result<Vec<_>, BuildError>>()?;
-    let likelier = |Stage { fit, .. }: &Stage| cost(fit) + price < cost(plain) && helps(fit, plain);
+    let likelier = |Stage { fit, .. }: &Stage| {
+        let helps = fit.noise.times(expected) < HELPS * plain.noise.times(expected);
+        helps && cost(fit) + price < cost(plain)
+    };
     let trials = trials.into_iter().filter(likelier);
     let Some(Stage { fit, mut origin }) =
         trials.min_by(|a, b| cost(&a.fit).total_cmp(&cost(&b.fit)))
@@ -109,7 +110,7 @@ fn with_shape(stage: &Stage, rubbing: &[(Location, Friction)], value: Value) -> 
     let Stage { mut fit, mut origin } = stage.clone();
     for (place, friction) in rubbing {
         let slow = friction.stribeck_velocity_rad_per_s;
-        let scale = value.scale(slow, TYPICAL * slow);
+        let scale = value.scale(slow);
         let (effect, value) = (origin.effects.len(), value.place());
         let mut shape = EffectParameters::new(Kind::FrictionShape, *place);
         shape.values[value] = scale;

@@ -34,10 +34,11 @@ pub struct EffectSet<S: Scalar> {
 /// Which hooks a set has, found when it is built, so that the step passes over the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Uses {
-    /// A bit for every mass that a torque acts on, whose level or whose damping is changed, and for
-    /// every stage.
+    /// A bit for every mass that a torque acts on, whose level is changed, whose friction creeps or whose damping
+    /// is changed, and for every stage.
     torques: u32,
     levels: u32,
+    creeps: u32,
     damping: u32,
     stages: u32,
     angled_levels: bool,
@@ -60,6 +61,7 @@ impl Uses {
                 let mark = |bits: &mut u32, has: bool| *bits |= u32::from(has) << place;
                 mark(&mut uses.torques, Effects::<S>::has_torque(law, place));
                 mark(&mut uses.levels, Effects::<S>::has_level(law, place));
+                mark(&mut uses.creeps, Effects::<S>::creep(law, place).is_some());
                 mark(&mut uses.damping, Effects::<S>::has_damping(law, place));
                 mark(&mut uses.stages, Effects::<S>::has_stage(law, place));
             });
@@ -141,6 +143,11 @@ impl<S: Scalar> EffectSet<S> {
             }
         }
         Some(Self::of(laws, tables))
+    }
+
+    #[inline(never)]
+    fn first_creep(&self, mass: usize) -> Option<Creep<S>> {
+        self.effects.iter().find_map(|effect| law!(effect, law => law.creep(mass)))
     }
 
     /// Whether there is none.
@@ -350,9 +357,9 @@ impl<S: Scalar> Effects<S> for EffectSet<S> {
             |level, law| level * law.inverse_level_from(tables, mass, at))
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn creep(&self, mass: usize) -> Option<Creep<S>> {
-        self.effects.iter().find_map(|effect| law!(effect, law => law.creep(mass)))
+        if is_marked(self.uses.creeps, mass) { self.first_creep(mass) } else { None }
     }
 
     #[inline(never)]
