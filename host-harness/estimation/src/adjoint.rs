@@ -3,7 +3,7 @@
 //! One pass backward through the filter gives it for every sample at once, so that any shape a
 //! missing effect may have along the record is tried at the cost of a sum over samples.
 
-use super::filter::{Equation, Gains, Linearisation, Observer};
+use super::filter::{Equation, Gains, Linearisation, Observer, Run};
 use super::record::{CHANNELS, Channel};
 
 /// By sample: how a push on an equation, held over the interval after the sample, would change the
@@ -16,6 +16,8 @@ pub struct Pull {
     pub drive: Vec<f64>,
     /// What each sensor shows, at the sample itself, per its unit.
     pub sensor: [Vec<f64>; CHANNELS],
+    /// Every disturbance state of the filter, before the sample is measured, per its unit.
+    pub walks: Vec<Vec<f64>>,
 }
 
 impl Observer<'_> {
@@ -27,6 +29,7 @@ impl Observer<'_> {
             torque: vec![vec![0.0; samples]; masses],
             drive: vec![0.0; samples],
             sensor: std::array::from_fn(|_| vec![0.0; samples]),
+            walks: vec![vec![0.0; samples]; gains.walks.len()],
         };
         let mut later = vec![0.0; order];
         let mut now = vec![0.0; order];
@@ -72,14 +75,78 @@ impl Observer<'_> {
                     *later -= weight * along_error * row;
                 }
             }
+            for (walk, later) in pull.walks.iter_mut().zip(&later[n..]) {
+                walk[k] = *later;
+            }
             if self.record.starts.contains(&k) {
                 later.fill(0.0);
             }
         }
         pull
     }
+
+    /// The last disturbance state of a run as all its samples show it, those that follow too, by sample: a filter's
+    /// own estimate comes late. What the prior says of each of its steps is moved by what the innovations pull at
+    /// (Bryson and Frazier, Smoothing for linear and nonlinear dynamic systems, 1963).
+    pub fn smoothed(&self, gains: &Gains, along: &Linearisation, run: &Run) -> Option<Vec<f64>> {
+        let walk = gains.walks.last()?;
+        let pull = self.pull(gains, along, &run.innovations).walks.pop()?;
+        let mut value = 0.0;
+        let step = |(k, pull): (usize, f64)| {
+            value = match k.checked_sub(1).filter(|_| !self.record.starts.contains(&k)) {
+                None => -walk.initial.powi(2) * pull,
+                Some(before) => {
+                    let interval = self.record.grid.interval(before);
+                    walk.kept(interval) * value - walk.gained(interval) * pull
+                }
+            };
+            value
+        };
+        Some(pull.into_iter().enumerate().map(step).collect())
+    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::borrow::Cow;
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::filter::Walk;
+    use crate::noise::expected;
+    use crate::record::Record;
+    use joint_simulation::demo::actuator;
+    use joint_simulation::plant::plant;
+    use joint_simulation::synthetic::{Experiment, record};
+
+    #[test]
+    fn a_smoothed_disturbance_ends_as_the_filters_does_and_is_nearer_to_the_truth_before() {
+        let model = actuator();
+        let load = |k: i32| 0.4 * (TAU * 4.0 * 2e-4 * f64::from(k)).sin();
+        let load_nm: Vec<f64> = (0..5000).map(load).collect();
+        let experiment = Experiment { load_nm: load_nm.clone(), ..Experiment::clean(1.0) };
+        let record = Record::new(&record(&model, &experiment, 4).unwrap(), None);
+        let noise = expected(&model, &record);
+        let shaft: f64 = model.stages.iter().map(|stage| stage.reduction).product();
+        let walk = Walk::random(Equation::Torque(model.stages.len()), 0.4 / shaft, 4.0 / shaft);
+        let plant = plant(&model, &record.grid, record.drive).unwrap();
+        let observer = Observer::new(&model, &*plant, &record);
+        let mut along = Cow::Owned(Linearisation::default());
+        let (gains, run) = observer.design_along(&mut along, &noise, &[walk]);
+        let filtered: Vec<f64> = run.states.iter().map(|x| x[x.len() - 1]).collect();
+        let smoothed = observer.smoothed(&gains, &along, &run).unwrap();
+        let last = smoothed.len() - 1;
+        assert!((smoothed[last] - filtered[last]).abs() < 1e-6 * 0.4 / shaft);
+        // A load brakes: it is a torque against the positive direction.
+        let off = |series: &[f64]| {
+            let pairs = series.iter().zip(&load_nm);
+            (pairs.map(|(own, load)| (own + load / shaft).powi(2)).sum::<f64>()).sqrt()
+        };
+        let (late, whole, truth) = (off(&filtered), off(&smoothed), off(&vec![0.0; last + 1]));
+        assert!(whole < 0.5 * late && whole < 0.2 * truth, "{whole} {late} {truth}");
+    }
 }

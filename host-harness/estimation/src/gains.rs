@@ -135,6 +135,11 @@ impl Noise {
         self.reversal > 0.0 || self.colours().next().is_some()
     }
 
+    /// The same without the disturbances that are correlated in time.
+    pub fn uncoloured(self) -> Self {
+        Self { coloured: Default::default(), ..self }
+    }
+
     /// The same with the model distrusted so many times as much.
     pub fn distrusted(self, times: f64) -> Self {
         Self {

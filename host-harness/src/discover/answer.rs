@@ -204,8 +204,8 @@ pub fn discover_beside(
     let orders = orders(&found);
     let first = found.rounds.first().map(|round| round.name.0);
     let along_lines = !found.orders.is_empty() || first == Some(Kind::Cogging);
-    // Noise that swallows what is missing would leave no equation to blame for it.
-    let calm = believable(&noise, &found.expected);
+    // Noise that swallows what is missing would leave no equation to blame for it, and so would a disturbance.
+    let calm = believable(&noise, &found.expected).uncoloured();
     let judged = Fit { noise, ..after.clone() };
     let floor = || Remainder::of(&everywhere, &judged, &found.expected, &tested);
     let place = || {
@@ -227,7 +227,7 @@ pub fn discover_beside(
     let looked_at = Problem::new(&record, &every).scouted(scout.as_ref());
     let walk = disagreement.walk;
     let (weighed, free_run) = weighed(&looked_at, &found, walk, &calm, &held_out, &unseen)?;
-    let answer = match answered(!found.rounds.is_empty(), &remainder, weighed.budget.as_ref()) {
+    let answer = match answered(!found.rounds.is_empty(), &remainder, &weighed) {
         Answer::Adequate if interrupt::asked() => Answer::Unknown,
         _ if constant => Answer::Unknown,
         answer => answer,
@@ -269,6 +269,7 @@ pub fn discover_beside(
         next_experiment += &told(experiment);
     }
     let mut reasons = reasons(&found, &record, &gap, &complaints);
+    reasons.extend(weighed.told());
     let all: usize = logs.iter().map(Log::len).sum();
     if all > samples {
         let silent = all - samples;

@@ -4,7 +4,7 @@
 //! noise far above what the sensors and the joint's nature lead one to expect, or innovations that
 //! are not white where those of the model's own replicate are.
 
-use crate::estimate::filter::{Disturbed, Noise};
+use crate::estimate::filter::{Disturbed, Equation, Noise};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{CHANNELS, Channel};
 use crate::estimate::refit::{DOUBTFUL, RUGGED};
@@ -38,6 +38,15 @@ const UNSEEN_OF_RUGGED: f64 = 1.25;
 const BEYOND: f64 = 1e6;
 /// Lags looked at.
 const LAGS: usize = 8;
+
+/// Most that an equation is believed to be disturbed by, RMS in its unit; without a bound of what a sensor shows.
+pub(super) fn believable(equation: Equation, expected: &Noise) -> f64 {
+    match equation {
+        Equation::Voltage => DRIVE_EXCESS * expected.drive,
+        Equation::Torque(_) => TORQUE_EXCESS * expected.torque,
+        Equation::Sensor(_) => f64::INFINITY,
+    }
+}
 
 /// What a model leaves.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]

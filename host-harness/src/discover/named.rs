@@ -7,7 +7,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use nalgebra::DMatrix;
 
 use super::confidence::{Left, confidence};
-use super::evidence::Weighed;
+use super::evidence::{Budget, Weighed};
 use super::findings::{Named, knots_of};
 use super::proportion::Witnessed;
 use super::search::Search;
@@ -26,7 +26,11 @@ pub(super) fn named(
     let fit = &found.after.fit;
     let first = found.scores.iter().filter(|row| row.round == 1);
     let tried = first.count();
-    let unnamed = weighed.budget.as_ref().map_or(f64::NAN, |budget| budget.unnamed);
+    // What is more than a disturbance may be has a cause of its own, whether it is predicted or not.
+    let cause = |budget: &Budget| {
+        budget.unnamed + if weighed.is_unbelievable() { budget.coloured } else { 0.0 }
+    };
+    let unnamed = weighed.budget.as_ref().map_or(f64::NAN, cause);
     let effects = fit.model.effects.iter().enumerate().skip(standing);
     let rounds = found.rounds.iter().zip(&weighed.shares).zip(unseen);
     effects

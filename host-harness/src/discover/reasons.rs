@@ -3,6 +3,7 @@
 
 use joint_core::effect::Kind;
 
+use super::evidence::Weighed;
 use super::findings::Gap;
 use super::force::relative_force_error;
 use super::search::{Round, Search, title};
@@ -55,6 +56,20 @@ pub(super) fn reasons(
         ));
     }
     all
+}
+
+impl Weighed {
+    /// That more is left than friction and supply may be disturbed by, if it is.
+    pub(super) fn told(&self) -> Option<String> {
+        let budget = self.budget.as_ref().filter(|_| self.is_unbelievable())?;
+        let unit = budget.unit.split(' ').next().unwrap_or_default();
+        Some(format!(
+            "beside white noise {} RMS are left in the {}, {:.1} times the most that friction and supply are believed to scatter by",
+            si(budget.rms_left, unit, 2),
+            budget.equation,
+            self.over_believable,
+        ))
+    }
 }
 
 /// What disturbs the joint beside noise that is white and alike at all speeds.

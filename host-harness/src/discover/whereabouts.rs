@@ -197,7 +197,7 @@ pub(super) fn of_push(run: &Run) -> Vec<f64> {
     run.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect()
 }
 
-/// A run beside a push, whose value is each state's last.
+/// A run beside a push, whose value, as all samples show it, is each state's last.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -209,7 +209,14 @@ pub(super) fn pushed(
 ) -> Result<Run, BuildError> {
     let plant = plant(model, &problem.record.grid, problem.record.drive)?;
     let observer = Observer::new(model, &*plant, problem.record);
-    Ok(observer.design(noise, &problem.pushed(walk).walks(noise, model.stages.len())).1)
+    let walks = problem.pushed(walk).walks(noise, model.stages.len());
+    let mut along = Cow::Owned(Linearisation::default());
+    let (gains, mut run) = observer.design_along(&mut along, noise, &walks);
+    let smoothed = observer.smoothed(&gains, &along, &run).unwrap_or_default();
+    for (state, value) in run.states.iter_mut().zip(smoothed) {
+        state.last_mut().into_iter().for_each(|last| *last = value);
+    }
+    Ok(run)
 }
 
 /// An equation in words, and its unit.

@@ -55,6 +55,9 @@ pub struct Args {
     /// Score the cases of earlier results together, as of a benchmark shared over machines
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["set", "simulate"])]
     pub join: Vec<PathBuf>,
+    /// Keep every draw with its log and answer, not those alone that were answered wrongly
+    #[arg(long, requires = "simulate")]
+    pub keep_all: bool,
     /// Folder for the result
     #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
@@ -195,14 +198,19 @@ fn drawn(
     rows.sort_by(|(a, _), (b, _)| a.case.cmp(&b.case));
     bar.finish_and_clear();
     let (cases, rows): (Vec<Case>, Vec<Row>) = rows.into_iter().unzip();
-    let kept: Vec<Case> =
-        cases.into_iter().zip(&rows).filter(|(_, row)| !row.right).map(|(case, _)| case).collect();
+    let is_kept = |row: &Row| args.keep_all || !row.right;
+    let kept: Vec<Case> = cases
+        .into_iter()
+        .zip(&rows)
+        .filter(|(_, row)| is_kept(row))
+        .map(|(case, _)| case)
+        .collect();
     let truth = serde_json::to_string_pretty(&kept);
     out.write("truth.json", truth.map_err(|error| Failure::check(error.to_string()))?)?;
     Ok(rows)
 }
 
-/// One trial of the benchmark. What was answered wrongly is kept, to be looked into.
+/// One trial of the benchmark. What was answered wrongly, or everything, is kept, to be looked into.
 fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row), Failure> {
     let Trial { case, nominal, logs, withdrawn } = args.draws.trial(args.seed, number)?;
     let withdrawn: Vec<_> = withdrawn.into_iter().collect();
@@ -211,7 +219,7 @@ fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row
     let records = logs.split_at(1);
     let findings = discover_beside(&nominal, records, &withdrawn, &hidden).map_err(failure)?;
     let row = row(&case, &findings);
-    if !row.right && !interrupt::asked() {
+    if (args.keep_all || !row.right) && !interrupt::asked() {
         let kept = out.folder(&case.case, force)?;
         let model = kept.write("nominal.toml", nominal.to_toml())?;
         let mut paths = Vec::new();

@@ -12,6 +12,10 @@ const MOST: usize = 60;
 const TIMES: f64 = 10.0;
 /// Autocorrelation below which a series has forgotten itself.
 const FORGOTTEN: f64 = 0.05;
+/// Lags up to which an autocorrelation is summed; of a series that has not forgotten itself by then means of so many
+/// samples are looked at.
+const LAGS: usize = 64;
+const COARSER: usize = 4;
 
 /// Consecutive samples, cut into blocks.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,14 +87,19 @@ pub(super) fn correlation_time(series: &[f64]) -> f64 {
         return 1.0;
     }
     let mut time = 1.0;
-    for lag in 1..series.len() / 4 {
+    let last = series.len() / 4;
+    for lag in 1..last.min(LAGS) {
         let correlation = product(lag) / variance;
         if correlation < FORGOTTEN {
-            break;
+            return time;
         }
         time += 2.0 * correlation;
     }
-    time
+    if last <= LAGS {
+        return time;
+    }
+    let means = series.chunks_exact(COARSER).map(|own| own.iter().sum::<f64>() / COARSER as f64);
+    COARSER as f64 * correlation_time(&means.collect::<Vec<_>>())
 }
 
 /// `part / whole`, both summed over blocks.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::super::gate::believable;
 use super::super::whereabouts::{coordinates, of_push, pushed, title};
 use super::blocks::{Blocks, Share};
 use super::generic::{Predicted, predicted};
@@ -76,6 +77,9 @@ pub(in super::super) struct Weighed {
     pub(in super::super) budget: Option<Budget>,
     /// Share of every effect.
     pub(in super::super) shares: Vec<Share>,
+    /// RMS of all that is left beside white noise over the most that is believed of friction and supply; zero where
+    /// nothing could be looked at.
+    pub(in super::super) over_believable: f64,
 }
 
 /// Weighs what was found. `tested` are the samples that no fit has seen; `noise` designs the filter;
@@ -97,7 +101,8 @@ pub(in super::super) fn weigh(
     let (old, new) = (old?, new?);
     let [missed, left] = [&old, &new].map(|run| disturbance(of_push(run), walk));
     if !missed.iter().chain(&left).all(|value| value.is_finite()) {
-        return Ok(Weighed { budget: None, shares: vec![Share::default(); effects.len()] });
+        let shares = vec![Share::default(); effects.len()];
+        return Ok(Weighed { shares, ..Weighed::default() });
     }
     let blocks = Blocks::of_series(tested, &left);
     let gone = Disturbances { before: blocks.squares(&missed), after: blocks.squares(&left) };
@@ -120,7 +125,9 @@ pub(in super::super) fn weigh(
     let drive = drive(record, &after.model, walk, tested, &currents);
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
-    Ok(Weighed { budget: Some(Budget { equation, unit: unit.to_owned(), ..budget }), shares })
+    let over_believable = budget.rms_left / believable(walk.equation, expected);
+    let budget = Some(Budget { equation, unit: unit.to_owned(), ..budget });
+    Ok(Weighed { budget, shares, over_believable })
 }
 
 /// Quantities that laws are proportional to: current, speed, voltage.
@@ -204,7 +211,7 @@ fn white(
     blocks: &Blocks,
 ) -> Result<f64, BuildError> {
     let beside = problem.ahead().rough().pushed(walk);
-    let own = noise::refine(&beside, &after.model, expected, &after.noise)?;
+    let own = noise::refine(&beside, &after.model, expected, &after.noise.uncoloured())?;
     let mut sum = 0.0;
     for seed in SEED..SEED + REPLICATES {
         let replicate = replicate(&after.model, problem.record, &own, seed)?;

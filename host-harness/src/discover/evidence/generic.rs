@@ -4,18 +4,27 @@
 //! current, speed or voltage (varying-coefficient models, Hastie and Tibshirani, J. R. Stat. Soc. B 55, 1993)
 //! are fitted to the disturbance and asked of the blocks that were left out, their neighbours left out as
 //! well (h-v block cross-validation, Racine, J. Econometrics 99, 2000). What such a curve predicts is a
-//! law that nobody has named; what it does not predict is no law of these coordinates.
+//! law that nobody has named; what it does not predict is no law of these coordinates. A law is correlated in time as
+//! the motion is, so it is what a curve leaves that says how long a block must be.
+
+use std::ops::Range;
 
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, Normal as Gaussian};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::blocks::{Blocks, Share, correlation_time, ratio};
-use super::hats::{Grid, Normal};
+use super::hats::Grid;
+use super::linear::Linear;
 
-/// Knots over a coordinate, coarse to fine: a trend, a course, a curve, a line spectrum, one of high orders.
-const KNOTS: [usize; 5] = [4, 12, 48, 192, 768];
+/// Knots over a coordinate, coarse to fine: a line, a trend, a course, a curve, a line spectrum, one of high orders.
+const KNOTS: [usize; 6] = [2, 4, 12, 48, 192, 768];
 /// Samples that a knot has to have in the mean.
 const PER_KNOT: usize = 16;
+/// Correlation times of what a curve leaves that are in a block, and between those it is fitted to and the one it is
+/// asked of.
+const APART: f64 = 3.0;
+/// What a linear combination of all coordinates is called.
+const STATES: &str = "linear combination of the states";
 /// Probability that any of the families looks like a law where there is none.
 const BY_CHANCE: f64 = 0.05;
 
@@ -49,33 +58,24 @@ pub(super) fn predicted(
     direction: &[f64],
     asked: &[bool],
 ) -> Option<Predicted> {
-    let mut families = Vec::new();
-    let weights = weights.iter().map(|(name, values)| Beside::Quantity(name, values));
+    let mut curves = Vec::new();
+    let quantities = weights.iter().map(|(name, values)| Beside::Quantity(name, values));
     let beside: Vec<Beside<'_>> =
-        [Beside::Nothing, Beside::Direction].into_iter().chain(weights).collect();
+        [Beside::Nothing, Beside::Direction].into_iter().chain(quantities).collect();
     for (name, values) in coordinates {
         for beside in &beside {
             let count = KNOTS.into_iter().filter(|knots| knots * PER_KNOT <= series.len());
-            families.extend(count.map(|knots| (*name, values, *beside, knots)));
+            curves.extend(count.map(|knots| (*name, values, *beside, knots)));
         }
     }
-    let tests = families.len().max(1) as f64;
-    let least = Gaussian::standard().inverse_cdf(1.0 - BY_CHANCE / tests);
-    let correlation = correlation_time(series);
-    let blocks = Blocks::of_series(&vec![true; series.len()], series);
-    let every = vec![true; series.len()];
-    let found = families.into_par_iter().filter_map(|(name, values, beside, knots)| {
+    let asked = Asked { series, tests: curves.len() + 1, samples: asked };
+    let found = curves.into_par_iter().filter_map(|(name, values, beside, knots)| {
         let grid = match beside {
             Beside::Nothing => Grid::new(values, None, knots)?,
             Beside::Direction => Grid::new(values, Some(direction), knots)?,
             Beside::Quantity(_, weights) => Grid::new(values, None, knots)?.times(weights)?,
         };
-        // All samples say whether there is a law; those that no fit has seen, how much it is.
-        let sure = left_out(series, &grid, &blocks, correlation, &every);
-        if sure.value <= least * sure.error {
-            return None;
-        }
-        let share = left_out(series, &grid, &blocks, correlation, asked);
+        let share = asked.share(&grid)?;
         let times = match beside {
             Beside::Quantity(name, _) => Some(name.to_owned()),
             _ => None,
@@ -83,27 +83,89 @@ pub(super) fn predicted(
         let by_direction = matches!(beside, Beside::Direction);
         Some(Predicted { follows: name.to_owned(), by_direction, times, share })
     });
-    found.max_by(|a, b| a.share.value.total_cmp(&b.share.value))
+    let curve = found.max_by(|a, b| a.share.value.total_cmp(&b.share.value));
+    let states: Vec<&[f64]> = coordinates.iter().map(|(_, values)| &values[..]).collect();
+    let linear = Linear::new(&states).and_then(|linear| {
+        Some(Predicted {
+            follows: STATES.into(),
+            share: asked.share(&linear)?,
+            ..Predicted::default()
+        })
+    });
+    // A curve says more than a combination of everything does.
+    linear.into_iter().chain(curve).max_by(|a, b| a.share.value.total_cmp(&b.share.value))
+}
+
+/// A set of functions of the coordinates, of which a sum is fitted.
+pub(super) trait Family {
+    /// Its normal equations.
+    type Equations: Equations;
+    /// Those of no sample.
+    fn none(&self) -> Self::Equations;
+    /// Adds samples of a series to them.
+    fn add(&self, to: &mut Self::Equations, series: &[f64], samples: Range<usize>);
+    /// The sum with these coefficients at a sample; zero where it has no place.
+    fn value(&self, coefficients: &[f64], sample: usize) -> f64;
+}
+
+/// Normal equations of a least-squares fit.
+pub(super) trait Equations: Clone {
+    /// The sum with `sign` times another's.
+    fn plus(&mut self, other: &Self, sign: f64);
+    /// Coefficients with `ridge`, which is above zero, added to the diagonal.
+    fn solved(&self, ridge: f64) -> Vec<f64>;
+}
+
+/// What families are asked.
+struct Asked<'a> {
+    series: &'a [f64],
+    tests: usize,
+    samples: &'a [bool],
+}
+
+impl Asked<'_> {
+    /// The share of the series that a family predicts on the samples of interest, if it predicts one on all beyond
+    /// chance.
+    fn share(&self, family: &impl Family) -> Option<Share> {
+        let Self { series, tests, samples } = *self;
+        let correlation = correlation_time(&left(series, family));
+        let every = vec![true; series.len()];
+        let blocks = Blocks::over(&every, (APART * correlation).ceil() as usize);
+        // All samples say whether there is a law; those that no fit has seen, how much it is.
+        let sure = left_out(series, family, &blocks, correlation, &every);
+        let scatter = StudentsT::new(0.0, 1.0, blocks.ranges().len() as f64 - 1.0).ok()?;
+        let least = scatter.inverse_cdf(1.0 - BY_CHANCE / tests as f64);
+        (sure.value > least * sure.error)
+            .then(|| left_out(series, family, &blocks, correlation, samples))
+    }
+}
+
+/// What a curve leaves of a series that it is fitted to.
+fn left(series: &[f64], family: &impl Family) -> Vec<f64> {
+    let mut equations = family.none();
+    family.add(&mut equations, series, 0..series.len());
+    let curve = equations.solved(1.0);
+    series.iter().enumerate().map(|(k, value)| value - family.value(&curve, k)).collect()
 }
 
 /// Share of a series that a curve predicts on blocks which it was not fitted to, nor to their
 /// neighbours. The ridge holds a knot to zero by as much as one independent sample pulls it away.
-fn left_out(
+fn left_out<F: Family>(
     series: &[f64],
-    grid: &Grid,
+    family: &F,
     blocks: &Blocks,
     correlation: f64,
     asked: &[bool],
 ) -> Share {
     let ranges = blocks.ranges();
-    let mut all = Normal::empty(grid.knots());
-    let own: Vec<Normal> = ranges
+    let mut all = family.none();
+    let own: Vec<F::Equations> = ranges
         .iter()
         .map(|range| {
-            let mut normal = Normal::empty(grid.knots());
-            normal.add(grid, series, range.clone());
-            all.plus(&normal, 1.0);
-            normal
+            let mut equations = family.none();
+            family.add(&mut equations, series, range.clone());
+            all.plus(&equations, 1.0);
+            equations
         })
         .collect();
     let (mut gained, mut whole) = (Vec::new(), Vec::new());
@@ -112,14 +174,14 @@ fn left_out(
         if seen.peek().is_none() {
             continue;
         }
-        let mut normal = all.clone();
+        let mut others = all.clone();
         let near = b.saturating_sub(1)..(b + 2).min(own.len());
-        own[near].iter().for_each(|normal_of| normal.plus(normal_of, -1.0));
-        let curve = normal.solved(correlation);
+        own[near].iter().for_each(|near| others.plus(near, -1.0));
+        let curve = others.solved(correlation);
         let (mut before, mut after) = (0.0, 0.0);
         for k in seen {
             before += series[k] * series[k];
-            after += (series[k] - grid.value(&curve, k)).powi(2);
+            after += (series[k] - family.value(&curve, k)).powi(2);
         }
         gained.push(before - after);
         whole.push(before);

@@ -3,6 +3,8 @@
 //! A sum of hat functions on an even grid can follow any smooth curve of a coordinate; its normal
 //! equations are tridiagonal, so that leaving out every block in turn costs next to nothing.
 
+use super::generic::{Equations, Family};
+
 /// Where samples stand on a grid of knots: the knot before each, and what it and the one after count.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
@@ -52,14 +54,28 @@ impl Grid {
         }
         Some(self)
     }
+}
 
-    /// Number of coefficients.
-    pub(super) fn knots(&self) -> usize {
-        self.knots
+impl Family for Grid {
+    type Equations = Tridiagonal;
+
+    fn none(&self) -> Tridiagonal {
+        let none = || vec![0.0; self.knots];
+        Tridiagonal { diagonal: none(), beside: none(), right: none() }
     }
 
-    /// The function with these coefficients at a sample; zero where it has no place.
-    pub(super) fn value(&self, coefficients: &[f64], sample: usize) -> f64 {
+    fn add(&self, to: &mut Tridiagonal, series: &[f64], samples: std::ops::Range<usize>) {
+        for k in samples {
+            let Some((knot, [here, next])) = self.places[k] else { continue };
+            to.diagonal[knot] += here * here;
+            to.diagonal[knot + 1] += next * next;
+            to.beside[knot] += here * next;
+            to.right[knot] += here * series[k];
+            to.right[knot + 1] += next * series[k];
+        }
+    }
+
+    fn value(&self, coefficients: &[f64], sample: usize) -> f64 {
         self.places[sample].map_or(0.0, |(knot, [here, next])| {
             coefficients[knot] * here + coefficients[knot + 1] * next
         })
@@ -68,32 +84,14 @@ impl Grid {
 
 /// Normal equations of a least-squares fit, which are tridiagonal.
 #[derive(Clone, Debug)]
-pub(super) struct Normal {
+pub(super) struct Tridiagonal {
     diagonal: Vec<f64>,
     beside: Vec<f64>,
     right: Vec<f64>,
 }
 
-impl Normal {
-    /// Of no sample.
-    pub(super) fn empty(knots: usize) -> Self {
-        Self { diagonal: vec![0.0; knots], beside: vec![0.0; knots], right: vec![0.0; knots] }
-    }
-
-    /// With more samples.
-    pub(super) fn add(&mut self, grid: &Grid, series: &[f64], samples: std::ops::Range<usize>) {
-        for k in samples {
-            let Some((knot, [here, next])) = grid.places[k] else { continue };
-            self.diagonal[knot] += here * here;
-            self.diagonal[knot + 1] += next * next;
-            self.beside[knot] += here * next;
-            self.right[knot] += here * series[k];
-            self.right[knot + 1] += next * series[k];
-        }
-    }
-
-    /// The sum with `sign` times another's.
-    pub(super) fn plus(&mut self, other: &Self, sign: f64) {
+impl Equations for Tridiagonal {
+    fn plus(&mut self, other: &Self, sign: f64) {
         let pairs = [
             (&mut self.diagonal, &other.diagonal),
             (&mut self.beside, &other.beside),
@@ -104,9 +102,8 @@ impl Normal {
         }
     }
 
-    /// Coefficients with `ridge` added to the diagonal, by Thomas' elimination; the ridge must be above
-    /// zero.
-    pub(super) fn solved(&self, ridge: f64) -> Vec<f64> {
+    /// By Thomas' elimination.
+    fn solved(&self, ridge: f64) -> Vec<f64> {
         let count = self.diagonal.len();
         let (mut above, mut right) = (vec![0.0; count], vec![0.0; count]);
         let (mut carried, mut known) = (0.0, 0.0);
@@ -134,8 +131,8 @@ mod tests {
         let grid = Grid::new(&values, None, 6).unwrap();
         let wanted = [1.0, -2.0, 0.5, 3.0, 3.0, -1.0];
         let series: Vec<f64> = (0..1000).map(|k| grid.value(&wanted, k)).collect();
-        let mut normal = Normal::empty(grid.knots());
-        normal.add(&grid, &series, 0..1000);
+        let mut normal = grid.none();
+        grid.add(&mut normal, &series, 0..1000);
         // The ridge pulls by its share of some hundred samples a knot.
         for (found, wanted) in normal.solved(1e-9).iter().zip(wanted) {
             assert!((found - wanted).abs() < 1e-8, "{found} {wanted}");
@@ -147,8 +144,8 @@ mod tests {
         let values: Vec<f64> = (0..400).map(|k| f64::from(k % 100)).collect();
         let direction: Vec<f64> = (0..400).map(|k| if k < 200 { 1.0 } else { -1.0 }).collect();
         let grid = Grid::new(&values, Some(&direction), 4).unwrap();
-        let mut normal = Normal::empty(grid.knots());
-        normal.add(&grid, &direction, 0..400);
+        let mut normal = grid.none();
+        grid.add(&mut normal, &direction, 0..400);
         let found = normal.solved(1e-9);
         assert!(found[..4].iter().all(|c| (c - 1.0).abs() < 1e-6), "{found:?}");
         assert!(found[4..].iter().all(|c| (c + 1.0).abs() < 1e-6), "{found:?}");
@@ -163,8 +160,8 @@ mod tests {
         let wanted = [1.0, -2.0, 0.5, 3.0];
         let series: Vec<f64> = (0..1000).map(|k| grid.value(&wanted, k) * current[k]).collect();
         let grid = grid.times(&current).unwrap();
-        let mut normal = Normal::empty(grid.knots());
-        normal.add(&grid, &series, 0..1000);
+        let mut normal = grid.none();
+        grid.add(&mut normal, &series, 0..1000);
         for (found, wanted) in normal.solved(1e-9).iter().zip(wanted) {
             assert!((found - wanted * rms).abs() < 1e-7, "{found} {wanted}");
         }

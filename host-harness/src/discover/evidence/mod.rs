@@ -12,6 +12,7 @@ mod elsewhere;
 mod excitation;
 mod generic;
 mod hats;
+mod linear;
 mod map;
 mod rest;
 mod shares;
