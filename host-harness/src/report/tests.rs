@@ -8,7 +8,7 @@ use crate::demo::actuator;
 use crate::discover::candidates::card;
 use crate::discover::evidence::{Budget, FreeRun};
 use crate::discover::findings::*;
-use crate::discover::gate::Remainder;
+use crate::discover::goodness_of_fit::Remainder;
 use crate::log::Log;
 use crate::plot::text::{digits, escape, per_cent, si, si_with_sigma};
 use crate::synthetic::{Experiment, record};

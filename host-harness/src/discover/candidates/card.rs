@@ -4,8 +4,8 @@ use joint_core::effect::EffectParameters;
 use joint_core::params::Location;
 use rand::{Rng, RngExt};
 
-use super::super::hypothesis::Hypothesis;
 use super::Scene;
+use super::hypothesis::Hypothesis;
 
 /// One kind of effect, as discovery, benchmark and report know it.
 #[derive(Clone, Copy, Debug)]

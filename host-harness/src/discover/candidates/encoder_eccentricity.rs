@@ -3,13 +3,13 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
+use super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::estimate::record::Channel;
 
 /// A disc off its centre, and a tilted one.
-pub(in super::super) const ORDERS: [f64; 2] = [1.0, 2.0];
+pub(crate) const ORDERS: [f64; 2] = [1.0, 2.0];
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "an encoder's disc that is off its centre or tilted",

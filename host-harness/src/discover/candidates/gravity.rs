@@ -3,7 +3,7 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
+use super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use crate::model::Model;
@@ -36,7 +36,7 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
 }
 
 /// A pull that is not there yet; it matters from `scale` on, in Nm at its place.
-pub(in super::super) fn pull(place: Location, scale: f64) -> Hypothesis {
+pub(crate) fn pull(place: Location, scale: f64) -> Hypothesis {
     Hypothesis {
         start: EffectParameters::new(Kind::Gravity, place),
         free: vec![Free::Phasor { amplitude: 0, scale, sigma: 100.0 }],
@@ -44,7 +44,7 @@ pub(in super::super) fn pull(place: Location, scale: f64) -> Hypothesis {
 }
 
 /// Whether a line of order one of the rotor's angle is a pull of gravity that the model has not.
-pub(in super::super) fn own_line(model: &Model) -> bool {
+pub(crate) fn own_line(model: &Model) -> bool {
     let has = model.effects.iter().any(|effect| effect.kind == Kind::Gravity);
     model.stages.is_empty() && model.load.gravity_nm == 0.0 && !has
 }

@@ -3,7 +3,7 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 
-use super::super::hypothesis::{Free, Hypothesis};
+use super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 
@@ -46,12 +46,12 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::score_test::ScoreTest;
-    use super::super::super::trial;
     use joint_core::params::Location;
 
     use super::*;
     use crate::demo::actuator;
+    use crate::discover::proposals::score_test::ScoreTest;
+    use crate::discover::trial;
     use crate::estimate::fit::Problem;
     use crate::estimate::record::Record;
 
@@ -69,7 +69,7 @@ mod tests {
         let problem = Problem::new(&record, &mask).rough();
         let base = trial::fitted(&problem, &nominal, &[]);
         let test = ScoreTest::new(problem, &base.origin, &base.fit, 1).unwrap();
-        let proposed = propose(&Scene::new(&base.fit.model, &record, &test));
+        let proposed = propose(&test.scene());
         let gains = test.gains(&proposed);
         [true, false].map(|nothing| {
             let own = proposed

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::whereabouts::{coordinates, of_push, pushed, title};
 use super::blocks::{Blocks, Share};
+use super::disturbance::{coordinates, of_push, pushed, title};
 use super::generic::{Predicted, predicted};
 use super::shares::{Disturbances, divided};
 use super::unseen::Unseen;
@@ -71,11 +71,11 @@ pub struct FreeRun {
 
 /// What the evidence says.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct Weighed {
+pub(crate) struct Weighed {
     /// The budget; `None` where no equation could be looked at.
-    pub(in super::super) budget: Option<Budget>,
+    pub(crate) budget: Option<Budget>,
     /// Share of every effect.
-    pub(in super::super) shares: Vec<Share>,
+    pub(crate) shares: Vec<Share>,
 }
 
 /// Weighs what was found. `tested` are the samples that no fit has seen; `noise` designs the filter;
@@ -83,7 +83,7 @@ pub(in super::super) struct Weighed {
 ///
 /// # Errors
 /// A model cannot be built.
-pub(in super::super) fn weigh(
+pub(crate) fn weigh(
     problem: &Problem<'_>,
     [before, after]: [&Fit; 2],
     walk: Walk,
@@ -251,7 +251,7 @@ impl FreeRun {
     ///
     /// # Errors
     /// A model cannot be built.
-    pub(in super::super) fn of(
+    pub(crate) fn of(
         record: &Record,
         [before, after]: [&Fit; 2],
         noise: &Noise,
@@ -276,7 +276,7 @@ impl FreeRun {
     }
 
     /// Error after over that before, the geometric mean of the signals.
-    pub(in super::super) fn factor(&self) -> f64 {
+    pub(crate) fn factor(&self) -> f64 {
         let logs = self.signals.values().map(|[before, after]| (after / before).ln());
         (logs.sum::<f64>() / self.signals.len().max(1) as f64).exp()
     }
@@ -284,8 +284,8 @@ impl FreeRun {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::trial;
     use super::*;
+    use crate::discover::trial;
     use crate::log::Log;
 
     #[test]

@@ -11,13 +11,12 @@ use statrs::distribution::{ContinuousCDF, Normal as Gaussian};
 
 use super::blocks::{Blocks, Share, correlation_time, ratio};
 use super::hats::{Grid, Normal};
+use crate::discover::bounds::BY_CHANCE;
 
 /// Knots over a coordinate, coarse to fine: a trend, a course, a curve, a line spectrum, one of high orders.
 const KNOTS: [usize; 5] = [4, 12, 48, 192, 768];
 /// Samples that a knot has to have in the mean.
 const PER_KNOT: usize = 16;
-/// Probability that any of the families looks like a law where there is none.
-const BY_CHANCE: f64 = 0.05;
 
 /// What follows a coordinate and has no name.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,21 +6,18 @@
 //! nearer. Of several maps the one does whose free run comes nearest: a disturbance that is estimated near
 //! standstill follows the friction's state, and as a torque over the speed it would push a joint that rests.
 
-use std::collections::BTreeMap;
-
 use joint_core::effect::EffectParameters;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
-use super::super::confidence::SIGMAS;
-use super::super::findings::{Named, knots_of};
-use super::super::search::Stage;
-use super::super::whereabouts::{of_push, pushed};
 use super::blocks::{Blocks, Share};
 use super::budget::FreeRun;
+use super::disturbance::{of_push, pushed};
 use super::map::{Unexplained, fitted_maps};
 use super::shares::Disturbances;
 use super::unseen::{Unseen, unseen};
+use crate::discover::bounds::SIGMAS;
+use crate::discover::state::stage::Stage;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Equation, Noise, Run, Walk};
 use crate::estimate::fit::Problem;
@@ -32,38 +29,13 @@ use crate::plant::{BuildError, Layout};
 const WIDE: f64 = 10.0;
 /// A map of what is left beside the effects.
 #[derive(Clone, Debug)]
-pub(in super::super) struct Rest {
+pub(crate) struct Rest {
     /// The model with it as its last effect, refitted.
-    pub(in super::super) stage: Stage,
+    pub(crate) stage: Stage,
     /// What samples that no fit has seen say of it.
-    pub(in super::super) unseen: Unseen,
+    pub(crate) unseen: Unseen,
     /// Share that it takes of what the model without it misses there.
-    pub(in super::super) share: Share,
-}
-
-impl Rest {
-    /// The map as it is told: it says what is there, and has no name to be sure of. `of` is the share of what the
-    /// refitted nominal misses that the named effects leave.
-    pub(in super::super) fn told(&self, of: f64) -> Option<Named> {
-        let map = self.stage.fit.model.effects.last()?;
-        let values = map.kind.spec().parameters.iter().zip(map.values);
-        Some(Named {
-            kind: map.kind.spec().kind.to_owned(),
-            location: map.location.to_string(),
-            unnamed: true,
-            parameters: values.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
-            knots: knots_of(map),
-            standard_errors: BTreeMap::new(),
-            confidence: 0.0,
-            share: of * self.share.value,
-            share_error: of * self.share.error,
-            unseen_t: self.unseen.t,
-            transfer_t: None,
-            gain: self.unseen.series.iter().sum(),
-            stays_ahead: 0.0,
-            rivals: Vec::new(),
-        })
-    }
+    pub(crate) share: Share,
 }
 
 /// A model with a torque map of what it misses in an equation of torque; `None` where no map holds on the
@@ -71,7 +43,7 @@ impl Rest {
 ///
 /// # Errors
 /// The model without it cannot be built.
-pub(in super::super) fn mapped(
+pub(crate) fn mapped(
     problem: &Problem<'_>,
     named: &Stage,
     walk: Walk,
@@ -164,8 +136,8 @@ impl Side {
 mod tests {
     use joint_core::effect::Kind;
 
-    use super::super::super::trial;
     use super::*;
+    use crate::discover::trial;
     use crate::estimate::noise;
     use crate::estimate::record::Record;
     use crate::synthetic::{Experiment, record};
