@@ -102,7 +102,7 @@ pub(super) fn findings(samples: usize) -> Findings {
         held_out: (0..samples).map(|k| (k * 10 / samples) == 3).collect(),
         before: rows(3.0),
         after: rows(1.0),
-        push: Push {
+        disturbance: Disturbance {
             equation: "rotor torque".into(),
             unit: "Nm",
             before: wave(1.0),

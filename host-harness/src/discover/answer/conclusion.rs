@@ -23,6 +23,7 @@ use crate::discover::checks::goodness_of_fit::Remainder;
 use crate::discover::error::DiscoverError;
 use crate::discover::evidence::budget::{FreeRun, Weighed};
 use crate::discover::evidence::rest::{Rest, mapped};
+use crate::discover::state::constant::Constant;
 use crate::discover::state::search::Search;
 use crate::estimate::fit::Problem;
 use crate::estimate::scout::Scout;
@@ -83,7 +84,7 @@ impl Conclusion<'_> {
             self.evidence(&located, &left, gap, unseen)?;
         let (before, after) = (&found.before.fit, &found.after.fit);
         let covariance = Problem::new(record, fitted).covariance(after);
-        let clean = complaints.is_empty() && !self.is_constant();
+        let clean = complaints.is_empty() && self.constant().is_none();
         let effects = named(found, nominal.effects.len(), clean, (&weighed, unseen), &covariance);
         let explained = weighed.budget.as_ref().map_or(0.0, |budget| budget.named);
         let unnamed = rest.as_ref().and_then(|rest| unnamed(rest, 1.0 - explained));
@@ -116,7 +117,7 @@ impl Conclusion<'_> {
             held_out: split.held_out.clone(),
             before: shown(record, &located.before),
             after: shown(record, &located.after),
-            push: disagreement.push,
+            disturbance: disagreement.disturbance,
             shape: disagreement.shape,
             courses: disagreement.courses,
             angles: disagreement.angles,
@@ -129,9 +130,10 @@ impl Conclusion<'_> {
         })
     }
 
-    /// Whether gravity was named and cannot be told from a constant torque.
-    fn is_constant(&self) -> bool {
-        self.found.constant.is_some_and(|constant| constant.undecided())
+    /// The kind that cannot be told from a constant torque, if one was named: gravity.
+    fn constant(&self) -> Option<Kind> {
+        let undecided = self.found.constant.filter(Constant::undecided);
+        undecided.map(|constant| constant.of)
     }
 
     /// What was found in proportion, the answer, and a map of what has no name where that matters.
@@ -153,7 +155,7 @@ impl Conclusion<'_> {
             weighed(&looked_at, found, walk, &located.calm, held_out, unseen)?;
         let answer = match answered(!found.rounds.is_empty(), left, weighed.budget.as_ref()) {
             Answer::Adequate if interrupt::asked() => Answer::Unknown,
-            _ if self.is_constant() => Answer::Unknown,
+            _ if self.constant().is_some() => Answer::Unknown,
             answer => answer,
         };
         let matters = weighed.budget.as_ref().is_some_and(matters) && !interrupt::asked();
@@ -183,7 +185,7 @@ impl Conclusion<'_> {
         let names: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
         let equation = &located.disagreement.whereabouts.equation;
         let blind = blind(self.nominal, &self.stepped.record);
-        let mut text = advice(answer, &names, close, blind, self.is_constant(), equation);
+        let mut text = advice(answer, &names, close, blind, self.constant(), equation);
         if let Some(experiment) = &located.experiment {
             text += &told(experiment);
         }

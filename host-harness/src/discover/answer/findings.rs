@@ -102,13 +102,13 @@ pub(crate) fn knots_of(effect: &EffectParameters) -> BTreeMap<String, Vec<f64>> 
 /// Where the refitted nominal model and the log disagree.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Whereabouts {
-    /// The equation that a slow push would help most.
+    /// The equation that a slow disturbance would help most.
     pub equation: String,
-    /// The coordinate that the push follows.
+    /// The coordinate that the disturbance follows.
     pub varies_with: String,
     /// Its orders where that coordinate is an angle, strongest first.
     pub orders: Vec<f64>,
-    /// Share of the push's variance that the coordinate explains.
+    /// Share of the disturbance's variance that the coordinate explains.
     pub explained: f64,
 }
 
@@ -156,9 +156,9 @@ pub struct Verdict {
     pub reasons: Vec<String>,
 }
 
-/// A slow push on one equation, as the filter estimates it along the log.
+/// A slow disturbance on one equation, as the filter estimates it along the log.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Push {
+pub struct Disturbance {
     /// The equation.
     pub equation: String,
     /// Its unit.
@@ -178,18 +178,18 @@ pub struct Angles {
     pub windup_rad: Vec<f64>,
 }
 
-/// The push against the coordinate that it follows: means by bin.
+/// The disturbance against the coordinate that it follows: means by bin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
-    /// Share of the push's variance that the coordinate explains, before.
+    /// Share of the disturbance's variance that the coordinate explains, before.
     pub explained: f64,
     /// The coordinate, with its unit.
     pub coordinate: String,
     /// Centre of each bin.
     pub centres: Vec<f64>,
-    /// Mean push in the bin, before.
+    /// Mean disturbance in the bin, before.
     pub before: Vec<f64>,
-    /// Mean push in the bin, after.
+    /// Mean disturbance in the bin, after.
     pub after: Vec<f64>,
 }
 
@@ -262,13 +262,13 @@ pub struct Findings {
     pub before: Vec<[f64; CHANNELS]>,
     /// The same with the effects.
     pub after: Vec<[f64; CHANNELS]>,
-    /// The push on the equation that disagrees most.
-    pub push: Push,
-    /// What the push follows.
+    /// The disturbance on the equation that disagrees most.
+    pub disturbance: Disturbance,
+    /// What the disturbance follows.
     pub shape: Shape,
-    /// The push against everything that it might follow.
+    /// The disturbance against everything that it might follow.
     pub courses: Vec<Shape>,
-    /// Angle of the rotor and wind-up of the last stage by sample, as the filter of the push has them; empty
+    /// Angle of the rotor and wind-up of the last stage by sample, as the filter of the disturbance has them; empty
     /// where there is none.
     pub angles: Angles,
     /// Orders of the rotor angle that were named, or that explained something.

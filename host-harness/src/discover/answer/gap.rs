@@ -87,7 +87,7 @@ mod tests {
     use crate::synthetic::{Experiment, record};
 
     #[test]
-    fn a_joint_too_stiff_for_the_step_is_thrown_and_not_at_finer_steps() {
+    fn a_joint_too_stiff_for_the_step_diverges_and_not_at_finer_steps() {
         let truth = actuator();
         let experiment = Experiment { sample_time_s: 4e-3, ..Experiment::clean(6.0) };
         let log = record(&truth, &experiment, 3).unwrap();

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::EffectParameters;
 use nalgebra::DMatrix;
 
 use super::confidence::{Left, confidence};
@@ -33,7 +33,7 @@ pub(crate) fn named(
     effects
         .zip(rounds)
         .map(|((number, effect), ((round, share), unseen))| {
-            let other = found.constant.filter(|_| round.name.0 == Kind::Gravity);
+            let other = found.constant.filter(|constant| round.name.0 == constant.of);
             let other = other.map(|constant| round.gain + constant.lead);
             // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
             let left = match clean && !fit.noise.is_disturbed() {

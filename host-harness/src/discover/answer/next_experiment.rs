@@ -20,18 +20,19 @@ const SURE: f64 = 1000.0;
 const MORE: &str = "drive the joint through reversals under load, at several speeds up to its highest, and \
      slowly over a full turn of the output";
 
-/// Advice in a sentence; `blind` where there are stages that no sensor looks behind, `constant` where a
-/// constant torque explains what gravity does.
+/// Advice in a sentence; `blind` where there are stages that no sensor looks behind, `constant` is what a
+/// constant torque explains as well.
 pub(crate) fn advice(
     answer: Answer,
     names: &[(Kind, Location)],
     close_rival: Option<(Kind, Location)>,
     blind: bool,
-    constant: bool,
+    constant: Option<Kind>,
     equation: &str,
 ) -> String {
-    if let (true, Some((Kind::Gravity, _))) = (constant, names.first()) {
-        return format!("gravity or a constant torque: {}", card(Kind::Gravity).experiment);
+    if let Some((kind, _)) = names.first().filter(|(kind, _)| constant == Some(*kind)) {
+        let name = kind.spec().kind;
+        return format!("{name} or a constant torque: {}", card(*kind).experiment);
     }
     if let (Some(name), Some(rival)) = (names.first(), close_rival) {
         return format!("{} or {}: {}", title(*name), title(rival), card(rival.0).experiment);
@@ -100,6 +101,7 @@ mod tests {
     fn what_a_short_travel_leaves_open_is_asked_of_a_longer_one() {
         let names = [(Kind::Gravity, Location::Output), (Kind::Cogging, Location::Motor)];
         let asked = |names: &[_], constant: bool| {
+            let constant = constant.then_some(Kind::Gravity);
             advice(Answer::Unknown, names, None, false, constant, "rotor torque")
         };
         let open = asked(&names, true);

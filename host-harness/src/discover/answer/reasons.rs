@@ -1,8 +1,6 @@
 //! The answer in sentences: what each name explains and how far the next one is, what contradicts a
 //! name, and what is left.
 
-use joint_core::effect::Kind;
-
 use super::findings::Gap;
 use super::force_error::relative_force_error;
 use crate::discover::nuisances::friction_shape;
@@ -23,8 +21,11 @@ pub(crate) fn reasons(
 ) -> Vec<String> {
     let mut all = explained(&found.rounds);
     all.extend(timing::told(record).map(str::to_owned));
-    let gravity = found.rounds.iter().find(|round| round.name.0 == Kind::Gravity);
-    all.extend(found.constant.zip(gravity).map(|(constant, gravity)| constant.told(gravity.gain)));
+    let constant = found.constant.and_then(|constant| {
+        let own = found.rounds.iter().find(|round| round.name.0 == constant.of)?;
+        Some(constant.told(own.gain))
+    });
+    all.extend(constant);
     all.extend(
         found.contradictions.iter().map(|(_, text)| format!("fits, but is contradicted: {text}")),
     );
@@ -102,6 +103,7 @@ fn explained(rounds: &[Round]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use joint_core::effect::Kind;
     use joint_core::params::Location;
 
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::findings::{Angles, Answer, Findings, Gap, Push, Shape, Verdict, Whereabouts};
+use super::findings::{Angles, Answer, Disturbance, Findings, Gap, Shape, Verdict, Whereabouts};
 use super::next_experiment::advice;
 use crate::discover::checks::goodness_of_fit::Remainder;
 use crate::discover::evidence::FreeRun;
@@ -17,7 +17,7 @@ pub(crate) fn undecided(
     began: Instant,
 ) -> Findings {
     let silent = vec![[f64::NAN; CHANNELS]; record.len()];
-    let next_experiment = advice(Answer::Undecided, &[], None, false, false, "");
+    let next_experiment = advice(Answer::Undecided, &[], None, false, None, "");
     let gap = Gap {
         before: 0.0,
         after: 0.0,
@@ -46,10 +46,10 @@ pub(crate) fn undecided(
         held_out: vec![false; record.len()],
         before: silent.clone(),
         after: silent,
-        push: Push {
+        disturbance: Disturbance {
             before: vec![0.0; record.len()],
             after: vec![0.0; record.len()],
-            ..Push::default()
+            ..Disturbance::default()
         },
         shape: Shape::default(),
         courses: Vec::new(),

@@ -1,13 +1,13 @@
 //! Where model and log disagree, before any name: which equation, and along which coordinate.
 //!
-//! Each equation in turn is given a push that wanders; the one whose push makes the log most likely
-//! is the one that misses something. The push is then laid against everything it might follow.
+//! Each equation in turn is given a disturbance that wanders; the one whose disturbance makes the log most likely
+//! is the one that misses something. The disturbance is then laid against everything it might follow.
 
 use std::f64::consts::TAU;
 
-use super::findings::{Angles, Push, Shape, Whereabouts};
+use super::findings::{Angles, Disturbance, Shape, Whereabouts};
 use crate::discover::evidence::disturbance::{
-    TURN, WINDUP, coordinates, disagreeing, of_push, push_along, pushed, title,
+    TURN, WINDUP, coordinates, disagreeing, disturbance_along, disturbance_of, run_beside, title,
 };
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::{Noise, Run, Walk};
@@ -27,11 +27,11 @@ pub(crate) struct Disagreement {
     pub(crate) walk: Option<Walk>,
     /// The answer.
     pub(crate) whereabouts: Whereabouts,
-    /// The push along the record.
-    pub(crate) push: Push,
-    /// The push against what it follows.
+    /// The disturbance along the record.
+    pub(crate) disturbance: Disturbance,
+    /// The disturbance against what it follows.
     pub(crate) shape: Shape,
-    /// The push against everything that it might follow.
+    /// The disturbance against everything that it might follow.
     pub(crate) courses: Vec<Shape>,
     /// The joint's angles beside it.
     pub(crate) angles: Angles,
@@ -50,16 +50,16 @@ pub(crate) fn locate(
     orders: &[f64],
     along_lines: bool,
 ) -> Result<Disagreement, BuildError> {
-    let bent = before.fit.noise.times(noise) > 1.0;
+    let biased = before.fit.noise.times(noise) > 1.0;
     let Some((walk, before)) =
-        disagreeing(&problem.ahead(), before, noise, bent)?.into_iter().next()
+        disagreeing(&problem.ahead(), before, noise, biased)?.into_iter().next()
     else {
         return Ok(Disagreement::default());
     };
     let before = &before.model;
-    let run = pushed(problem, before, noise, walk)?;
-    let series = of_push(&run);
-    let series_after = push_along(problem, after, noise, walk)?;
+    let run = run_beside(problem, before, noise, walk)?;
+    let series = disturbance_of(&run);
+    let series_after = disturbance_along(problem, after, noise, walk)?;
     let (equation, unit) = title(walk.equation, problem.record.drive, before.stages.len());
     let coordinates = coordinates(problem, before, &run);
     let courses: Vec<Shape> = coordinates
@@ -92,8 +92,8 @@ pub(crate) fn locate(
         motor_rad: run.states.iter().map(|x| x[Layout::ANGLE]).collect(),
         windup_rad: windup.filter(|_| layout.stages > 0).map_or(Vec::new(), |(_, own)| own.clone()),
     };
-    let push = Push { equation, unit, before: series, after: series_after };
-    Ok(Disagreement { walk: Some(walk), whereabouts, push, shape, courses, angles })
+    let disturbance = Disturbance { equation, unit, before: series, after: series_after };
+    Ok(Disagreement { walk: Some(walk), whereabouts, disturbance, shape, courses, angles })
 }
 
 /// The column that a coordinate is of.
@@ -151,7 +151,7 @@ fn binned(name: &str, coordinate: &[f64], series: &[f64], after: &[f64]) -> Opti
     })
 }
 
-/// Share of a push that sines at these orders of the motor angle explain.
+/// Share of a disturbance that sines at these orders of the motor angle explain.
 fn explained_by_lines(problem: &Problem<'_>, series: &[f64], orders: &[f64]) -> f64 {
     let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
     let variance: f64 = series.iter().map(|s| (s - mean).powi(2)).sum();

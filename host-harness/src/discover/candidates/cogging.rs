@@ -4,8 +4,9 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::hypothesis::{Free, Hypothesis};
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::{Line, Rules};
 use super::{Scene, gravity};
 use crate::model::Model;
 
@@ -20,6 +21,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::MotorAngle,
     experiment: "scan slowly through a turn at two loads, in both directions",
     reference: None,
+    rules: Rules { line: Line { is_rotor_torque: true, ..Line::ANY }, ..Rules::NONE },
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

@@ -3,9 +3,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 use crate::model::Model;
 
 pub(super) const CARD: EffectCard = EffectCard {
@@ -14,6 +15,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::OutputAngle,
     experiment: "turn the mount by a quarter, or move slowly through a full output turn",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };
@@ -34,6 +36,9 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
         .with("phase_rad", joint.phase_rad);
     Some(gravity)
 }
+
+/// What it is called wherever it hangs.
+pub(crate) const KIND: Kind = Kind::Gravity;
 
 /// A pull that is not there yet; it matters from `scale` on, in Nm at its place.
 pub(crate) fn pull(place: Location, scale: f64) -> Hypothesis {

@@ -3,9 +3,10 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 
-use super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Shares of the stiffness that a spring gains at the typical wind-up where its trials start.
 const SHARES: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
@@ -18,6 +19,7 @@ pub(super) const CARD: EffectCard = EffectCard {
          directions: a stiffness above zero at zero torque means no gap, one that grows with \
          torque means hardening",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

@@ -6,9 +6,11 @@
 //! [`joint_core::for_every_effect`].
 
 mod card;
+pub(crate) mod channels;
 pub mod hidden;
 pub mod hypothesis;
 pub(crate) mod orders;
+pub mod rules;
 mod scene;
 
 pub use card::{Axis, Bench, Benchmark, EffectCard, Residual};

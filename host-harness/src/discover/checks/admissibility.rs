@@ -5,14 +5,15 @@
 
 use std::f64::consts::TAU;
 
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::EffectParameters;
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 use joint_core::per_unit::Bases;
 
 use super::contradiction::contradiction;
-use crate::discover::bounds::{AT_END, MOST_ERROR, MOST_TORQUE, RISING};
+use crate::discover::bounds::{AT_END, MOST_ERROR, MOST_TORQUE};
 use crate::discover::candidates::card;
+use crate::discover::candidates::channels::largest_current;
 use crate::discover::candidates::orders::span;
 use crate::discover::state::search::Search;
 use crate::estimate::record::{Channel, Record};
@@ -36,24 +37,18 @@ fn believable(model: &Model, record: &Record) -> bool {
     model.effects.last().is_none_or(|effect| possible(effect, model, record))
 }
 
-/// Whether an effect is one that a joint can have: no value where its law ends, no sensor that sees the
-/// future, no drive that does, no torque that falls over half the range of this record's current, no line along the rotor whose
-/// order was free to leave what the record's travel can show. Behind gears two encoders may stand, of which
-/// only the difference is known.
+/// Whether an effect is one that a joint can have: no value where its law ends, nothing that its card knows no joint
+/// can have (a sensor that sees the future), no line along the rotor whose order was free to leave what the record's
+/// travel can show.
 pub(crate) fn possible(effect: &EffectParameters, model: &Model, record: &Record) -> bool {
     let mut values = effect.kind.spec().parameters.iter().zip(effect.values);
     let inside = values.all(|(spec, value)| {
         let apart = |end: f64| end == 0.0 || (value - end).abs() > AT_END * end.abs();
         apart(spec.low) && apart(spec.high)
     });
-    let delay = effect.kind == Kind::SensorDelay;
-    let acausal = delay && model.stages.is_empty() || effect.kind == Kind::InputDelay;
-    let ahead = acausal && effect.values[0] < 0.0;
-    let falling = effect.kind == Kind::TorqueSaturation
-        && effect.values[0] < RISING * largest_current(record);
+    let impossible = (card(effect.kind).rules.impossible)(effect, model, record);
     inside
-        && !ahead
-        && !falling
+        && !impossible
         && !endless(effect, record)
         && !excessive(effect, model, record)
         && !forgetful(effect, record)
@@ -132,20 +127,10 @@ fn endless(effect: &EffectParameters, record: &Record) -> bool {
     })
 }
 
-/// The largest current that a record shows, A; zero where it shows none.
-fn largest_current(record: &Record) -> f64 {
-    let finite =
-        |most: f64, value: f64| if value.is_finite() { most.max(value.abs()) } else { most };
-    match record.drive {
-        Drive::Current => record.drive_values.iter().copied().fold(0.0, finite),
-        Drive::Voltage => {
-            record.measured.iter().map(|row| row[Channel::Current as usize]).fold(0.0, finite)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use joint_core::effect::Kind;
+
     use super::*;
     use crate::demo::actuator;
     use crate::log::Log;

@@ -33,7 +33,7 @@ fn share_ahead(leads: &[([f64; BLOCKS], f64)]) -> f64 {
         let lead = |(blocks, before): &([f64; BLOCKS], f64)| {
             drawn.iter().map(|block| blocks[*block]).sum::<f64>() + before
         };
-        // A rival that is beyond all numbers is behind.
+        // A rival that is non-finite is behind.
         !leads.iter().any(|other| lead(other) <= 0.0)
     });
     (ahead.count() as f64 + 0.5) / (DRAWS + 1) as f64

@@ -46,7 +46,7 @@ pub(crate) fn ask_constant(problem: &Problem<'_>, search: &mut Search) -> Result
         round.runner_up = Some(stage);
         round.stays_ahead = round.stays_ahead.min(ahead);
     }
-    search.constant = Some(Constant { lead, torque_nm });
+    search.constant = Some(Constant { of: Kind::Gravity, lead, torque_nm });
     Ok(())
 }
 

@@ -2,19 +2,15 @@
 
 use std::borrow::Cow;
 
-use joint_core::effect::Kind;
-use joint_core::joint::Drive;
-
 use super::admissibility::possible;
 use super::contradiction::contradiction;
 use super::own_gain::holds;
-use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN};
-use crate::discover::bounds::{OWN_SHARE, STILL_NEEDED};
+use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN, OWN_SHARE, STILL_NEEDED};
+use crate::discover::candidates::card;
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::Linearisation;
 use crate::estimate::fit::{Fit, Problem};
-use crate::estimate::parameters::Quantity;
 use crate::estimate::refit::{self, cost};
 use crate::model::Model;
 use crate::plant::BuildError;
@@ -50,7 +46,7 @@ pub(crate) fn drop_needless(
         let lost = cost(&bare.fit) - kept;
         let most = OWN_SHARE * (cost(&search.before.fit) - kept);
         if !bare.origin.stages.is_empty() && lost >= least && lost < most {
-            // Behind gears the others may have settled in a hollow that only this one's company made.
+            // Behind gears the others may have ended in a local minimum that this one made.
             let again = refit::cooled(&problem, &bare.origin, &bare.fit, &search.expected)?;
             if cost(&again) < cost(&bare.fit) {
                 bare.fit = again;
@@ -72,7 +68,7 @@ pub(crate) fn drop_needless(
     Ok(())
 }
 
-/// Drops the effects that their company has driven to where no joint is believed to be, or to where they do
+/// Drops the effects that the others have driven to where no joint is believed to be, or to where they do
 /// nothing.
 pub(crate) fn drop_inactive(problem: Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
     let mut k = 0;
@@ -92,7 +88,7 @@ pub(crate) fn drop_inactive(problem: Problem<'_>, search: &mut Search) -> Result
 }
 
 /// What a fit is the worse by for the loss of an effect if all else stays; without bound where the rest is
-/// beyond all numbers.
+/// non-finite.
 fn loss(problem: &Problem<'_>, fit: &Fit, place: usize) -> Result<f64, BuildError> {
     let along = Cow::Owned(Linearisation::default());
     let alone = without(&fit.model, place);
@@ -100,7 +96,7 @@ fn loss(problem: &Problem<'_>, fit: &Fit, place: usize) -> Result<f64, BuildErro
     Ok(if left.is_nan() { f64::INFINITY } else { left - fit.deviance })
 }
 
-/// What is left without the effect of round `k`, refitted from where its company stands.
+/// What is left without the effect of round `k`, refitted from where the others stand.
 pub(crate) fn bare(problem: Problem<'_>, search: &Search, k: usize) -> Result<Stage, BuildError> {
     bare_unless(|_| false, problem, search, k)
 }
@@ -127,19 +123,7 @@ fn bare_unless(
 pub(crate) fn without(model: &Model, place: usize) -> Model {
     let mut left = model.clone();
     let gone = left.effects.remove(place);
-    if gone.kind == Kind::CurrentGain {
-        // A gain is a symmetry: the same currents are shown by a smaller winding and larger torques.
-        let shift = (1.0 + gone.values[0]).ln();
-        for quantity in Quantity::of(&left, Drive::Voltage) {
-            match quantity {
-                Quantity::Resistance | Quantity::Inductance => quantity.shift(&mut left, -shift),
-                Quantity::TorqueConstant
-                | Quantity::StribeckVelocity(_)
-                | Quantity::GravityPhase => {}
-                _ => quantity.shift(&mut left, shift),
-            }
-        }
-    }
+    (card(gone.kind).rules.loss)(&gone, &mut left);
     left
 }
 

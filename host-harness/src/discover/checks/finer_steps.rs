@@ -5,8 +5,7 @@
 
 use super::elimination::drop_needless;
 use super::goodness_of_fit::Remainder;
-use crate::discover::bounds::CALMER;
-use crate::discover::bounds::{LEAST_GAIN, WEAK};
+use crate::discover::bounds::{CALMER, LEAST_GAIN, WEAK};
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 

@@ -1,4 +1,4 @@
-//! The goodness-of-fit gate: whether what a model leaves is noise.
+//! The goodness-of-fit test: whether what a model leaves is noise.
 //!
 //! The best of a wrong list still wins its comparison. What gives it away is what it leaves behind:
 //! noise far above what the sensors and the joint's nature lead one to expect, or innovations that
@@ -184,7 +184,7 @@ fn moments(rows: &[[f64; CHANNELS]], mask: &[f64], c: usize) -> (f64, [f64; LAGS
 }
 
 /// RMS of innovations over the samples of a mask: of one channel, or of all that are measured. One of a
-/// model that is beyond all numbers counts as a million sigmas.
+/// model that has diverged counts as a million sigmas.
 pub fn rms(rows: &[[f64; CHANNELS]], mask: &[f64], channel: Option<usize>) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for (row, mask) in rows.iter().zip(mask) {
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn what_twins_scatter_by_is_theirs() {
+    fn what_replicates_scatter_by_is_theirs() {
         let apart = beyond(0.2, &[0.0, 0.1, -0.1, 0.0, 0.1, -0.1]);
         assert!((apart - (0.2 - SCATTER * 0.008_f64.sqrt())).abs() < 1e-12, "{apart}");
         assert_eq!(beyond(0.2, &[0.0, 0.3, 0.1, 0.2, 0.4, 0.3]), 0.0);

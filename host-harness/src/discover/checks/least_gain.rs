@@ -13,16 +13,16 @@ impl Search {
         least_gain(self.after.origin.stages.len(), self.noise_ratio(), place)
     }
 
-    /// Gain below which an effect at a place is weak: samples that no fit has seen must bear it out.
+    /// Gain below which an effect at a place is weak: samples that no fit has seen must confirm it.
     pub(crate) fn weak_gain(&self, place: Location) -> f64 {
         WEAK / LEAST_GAIN * self.least_gain(place).max(LEAST_GAIN)
     }
 }
 
-fn least_gain(stages: usize, excess: f64, place: Location) -> f64 {
+fn least_gain(stages: usize, noise_ratio: f64, place: Location) -> f64 {
     match place {
         Location::Stage(_) if stages >= RUGGED => LEAST_OF_RUGGED,
-        _ if stages < RUGGED && excess < DOUBTFUL => LEAST_OF_SMOOTH,
+        _ if stages < RUGGED && noise_ratio < DOUBTFUL => LEAST_OF_SMOOTH,
         _ => LEAST_GAIN,
     }
 }

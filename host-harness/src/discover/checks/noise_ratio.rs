@@ -32,14 +32,14 @@ mod tests {
     use crate::estimate::record::Record;
 
     #[test]
-    fn names_are_futile_that_leave_a_lost_model_as_lost() {
+    fn names_improve_nothing_that_leave_an_inconsistent_model_as_inconsistent() {
         let nominal = trial::motor();
         let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
         let mask = vec![1.0; record.measured.len()];
         let expected = noise::expected(&nominal, &record);
         let before = trial::fitted(&Problem::new(&record, &mask).rough(), &nominal, &[]);
         let mut search = Search::new(before, &[], expected);
-        let mut futile = |first: f64, left: f64| {
+        let mut not_improved = |first: f64, left: f64| {
             search.before.fit.noise = expected.distrusted(first);
             search.after.fit.noise = expected.distrusted(left);
             let named = search.has_not_improved();
@@ -47,15 +47,15 @@ mod tests {
             other.rounds.push(trial::round(400.0));
             [named, other.has_not_improved()]
         };
-        assert_eq!(futile(40.0, 36.0), [false, true]);
-        assert_eq!(futile(40.0, 20.0), [false, false]);
-        assert_eq!(futile(5.0, 4.8), [false, false]);
+        assert_eq!(not_improved(40.0, 36.0), [false, true]);
+        assert_eq!(not_improved(40.0, 20.0), [false, false]);
+        assert_eq!(not_improved(5.0, 4.8), [false, false]);
         search.rounds.push(trial::round(400.0));
-        let hopeless = |first: f64| {
+        let though_near = |first: f64| {
             search.before.fit.noise = expected.distrusted(first);
             search.after.fit.noise = expected.distrusted(0.9 * first);
             search.has_not_improved_though_near()
         };
-        assert_eq!([ADRIFT / 2.0, 2.0 * ADRIFT].map(hopeless), [true, false]);
+        assert_eq!([ADRIFT / 2.0, 2.0 * ADRIFT].map(though_near), [true, false]);
     }
 }

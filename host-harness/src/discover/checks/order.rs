@@ -6,13 +6,12 @@
 
 use std::f64::consts::TAU;
 
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::EffectParameters;
 use joint_core::per_unit::Bases;
 use rayon::prelude::*;
 
-use crate::discover::bounds::NO_LINE;
-use crate::discover::bounds::{FAR_BEHIND, WORTH_ANOTHER};
-use crate::discover::candidates::{encoder_eccentricity, gravity};
+use crate::discover::bounds::{FAR_BEHIND, NO_LINE, WORTH_ANOTHER};
+use crate::discover::candidates::{card, gravity};
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::coordinates::Coordinate;
@@ -73,7 +72,8 @@ fn doubled(
     let [order, amplitude, _, second, phase, ..] = line.values;
     let order = 2.0 * order;
     let most = line.kind.spec().parameters.first().map_or(0.0, |spec| spec.high);
-    if line.kind != Kind::Cogging || amplitude.abs() >= NO_LINE * second.abs() || order > most {
+    let doubles = card(line.kind).rules.line.is_rotor_torque;
+    if !doubles || amplitude.abs() >= NO_LINE * second.abs() || order > most {
         return Ok(None);
     }
     let (mut start, mut origin) = (fit.model.clone(), origin.clone());
@@ -109,15 +109,16 @@ fn reordered(
     let found = freed.model.effects[effect].values[value];
     let new = if own.fract() == 0.0 { found.round().max(1.0) } else { found };
     let mut starts = vec![(&freed.model, new)];
-    if line.kind == Kind::EncoderEccentricity {
-        let others = encoder_eccentricity::ORDERS.into_iter().filter(|order| *order != new);
+    let rules = card(line.kind).rules.line;
+    if !rules.orders.is_empty() {
+        let others = rules.orders.iter().copied().filter(|order| *order != new);
         starts.extend(others.map(|order| (&fit.model, order)));
     } else if own.fract() == 0.0 && travel_rad(problem.record, &fit.model, &line) < TAU {
         let beside = [own - 1.0, own + 1.0].into_iter().filter(|order| *order != new);
         starts.extend(beside.map(|order| (&fit.model, order)));
     }
     let possible = parameters[value].low..parameters[value].high;
-    let hangs = line.kind == Kind::Cogging && gravity::own_line(&fit.model);
+    let hangs = rules.is_rotor_torque && gravity::own_line(&fit.model);
     let others = starts.into_iter().filter(|(_, order)| {
         possible.contains(order) && (order - own).abs() >= SAME && !(hangs && *order == 1.0)
     });
@@ -144,13 +145,14 @@ fn travel_rad(record: &Record, model: &Model, line: &EffectParameters) -> f64 {
     let (low, high) = seen.fold((f64::MAX, f64::MIN), |(low, high), q| (low.min(q), high.max(q)));
     let bases = Bases::si(&model.motor, &model.stages);
     let mass = bases.mass(line.location).unwrap_or(0);
-    // The teeth of a stage are counted along the shaft before it.
-    let mass = mass.saturating_sub(usize::from(line.kind == Kind::TransmissionError));
+    // The teeth of a stage count along the shaft before it.
+    let mass = mass.saturating_sub(usize::from(card(line.kind).rules.line.is_of_input));
     (high - low) * bases.shaft(mass).abs()
 }
 
 #[cfg(test)]
 mod tests {
+    use joint_core::effect::Kind;
     use joint_core::params::Location;
 
     use super::*;

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::plant::BuildError;
 
 /// Whether of a strong name, by what it gained and what of that is its own, a better fit of all the rest leaves
-/// a `weak` one that is borne out by nothing: then that fit is the base that names are to be asked for beside.
+/// a `weak` one that nothing confirms: then that fit is the base that names are to be asked for beside.
 pub(crate) fn owed_to_the_rest(
     problem: Problem<'_>,
     simpler: &Fit,
@@ -20,7 +20,7 @@ pub(crate) fn owed_to_the_rest(
     Ok(gain >= weak && own < weak && !holds(problem, simpler, fit, expected)?)
 }
 
-/// Whether what a fit has more than another, the simpler one, is borne out: by noise that is as expected
+/// Whether what a fit has more than another, the simpler one, is confirmed: by noise that is as expected
 /// where the simpler one needs more than any right model, or by samples that none has seen, if it makes them
 /// likelier. Both are asked at either's noise: at its own, which is less, the better one would have to
 /// answer for that as well.

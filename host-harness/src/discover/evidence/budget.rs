@@ -5,16 +5,15 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::blocks::{Blocks, Share};
-use super::disturbance::{coordinates, of_push, pushed, title};
+use super::disturbance::{coordinates, disturbance_of, run_beside, title};
 use super::generic::{Predicted, predicted};
 use super::shares::{Disturbances, divided};
 use super::unseen::Unseen;
 use crate::estimate::filter::{Equation, Noise, Walk};
 use crate::estimate::fit::{Fit, Problem};
-use crate::estimate::free_run;
-use crate::estimate::noise;
 use crate::estimate::record::{Channel, Record};
 use crate::estimate::replicate::replicate;
+use crate::estimate::{free_run, noise};
 use crate::model::Model;
 use crate::plant::{BuildError, Layout};
 use joint_core::joint::Drive;
@@ -92,10 +91,10 @@ pub(crate) fn weigh(
     effects: &[Unseen],
 ) -> Result<Weighed, BuildError> {
     let record = problem.record;
-    let run = |fit: &Fit| pushed(problem, &fit.model, noise, walk);
+    let run = |fit: &Fit| run_beside(problem, &fit.model, noise, walk);
     let (old, new) = rayon::join(|| run(before), || run(after));
     let (old, new) = (old?, new?);
-    let [missed, left] = [&old, &new].map(|run| disturbance(of_push(run), walk));
+    let [missed, left] = [&old, &new].map(|run| disturbance(disturbance_of(run), walk));
     if !missed.iter().chain(&left).all(|value| value.is_finite()) {
         return Ok(Weighed { budget: None, shares: vec![Share::default(); effects.len()] });
     }
@@ -209,8 +208,8 @@ fn white(
     for seed in SEED..SEED + REPLICATES {
         let replicate = replicate(&after.model, problem.record, &own, seed)?;
         let problem = Problem { record: &replicate, scout: None, ..*problem };
-        let run = pushed(&problem, &after.model, noise, walk)?;
-        let series = disturbance(of_push(&run), walk);
+        let run = run_beside(&problem, &after.model, noise, walk)?;
+        let series = disturbance(disturbance_of(&run), walk);
         let squares: f64 = blocks.squares(&series).iter().sum();
         // A replicate that has diverged says nothing.
         sum += if squares.is_finite() { squares } else { 0.0 };

@@ -28,7 +28,7 @@ pub(crate) const TURN: &str = "motor_angle_rad (one turn)";
 /// Wind-up of the last stage.
 pub(crate) const WINDUP: &str = "output_windup_rad";
 
-fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
+fn disturbances(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
     let largest = problem.record.drive_values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let mut scales = vec![(Equation::Voltage, 0.05 * largest)];
     for mass in 0..=model.stages.len() {
@@ -42,8 +42,8 @@ fn pushes(problem: &Problem<'_>, model: &Model, noise: &Noise) -> Vec<Walk> {
     scales.iter().flat_map(|scale| RATES.map(|rate| walk(*scale, rate))).collect()
 }
 
-/// The equations whose pushes make the log most likely, the best first, and the model refitted beside
-/// each; from the nominal as well where the plain refit has `bent` its parameters to explain what the equation
+/// The equations whose disturbances make the log most likely, the best first, and the model refitted beside
+/// each; from the nominal as well where the plain refit has `biased` its parameters to explain what the equation
 /// misses.
 ///
 /// # Errors
@@ -52,10 +52,10 @@ pub(crate) fn disagreeing(
     problem: &Problem<'_>,
     before: &Stage,
     noise: &Noise,
-    bent: bool,
+    biased: bool,
 ) -> Result<Vec<(Walk, Fit)>, BuildError> {
     let Stage { fit: plain, origin } = before;
-    let starts = [Some(&plain.model), bent.then_some(origin)]
+    let starts = [Some(&plain.model), biased.then_some(origin)]
         .into_par_iter()
         .flatten()
         .map(|model| {
@@ -64,7 +64,7 @@ pub(crate) fn disagreeing(
             Ok((model, along))
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
-    let scored = pushes(problem, &plain.model, noise)
+    let scored = disturbances(problem, &plain.model, noise)
         .par_iter()
         .flat_map_iter(|walk| starts.iter().map(move |(model, along)| (*walk, *model, along)))
         .map(|(walk, model, along)| {
@@ -93,29 +93,29 @@ pub(crate) fn disagreeing(
     Ok(fits)
 }
 
-/// The push on one equation by sample.
+/// The disturbance on one equation by sample.
 ///
 /// # Errors
 /// The model cannot be built.
-pub(crate) fn push_along(
+pub(crate) fn disturbance_along(
     problem: &Problem<'_>,
     model: &Model,
     noise: &Noise,
     walk: Walk,
 ) -> Result<Vec<f64>, BuildError> {
-    Ok(of_push(&pushed(problem, model, noise, walk)?))
+    Ok(disturbance_of(&run_beside(problem, model, noise, walk)?))
 }
 
-/// The push of a run: its last state.
-pub(crate) fn of_push(run: &Run) -> Vec<f64> {
+/// The disturbance of a run: its last state.
+pub(crate) fn disturbance_of(run: &Run) -> Vec<f64> {
     run.states.iter().map(|x| x.last().copied().unwrap_or(0.0)).collect()
 }
 
-/// A run beside a push, whose value is each state's last.
+/// A run beside a disturbance, whose value is each state's last.
 ///
 /// # Errors
 /// The model cannot be built.
-pub(crate) fn pushed(
+pub(crate) fn run_beside(
     problem: &Problem<'_>,
     model: &Model,
     noise: &Noise,
@@ -140,7 +140,7 @@ pub(crate) fn title(equation: Equation, drive: Drive, stages: usize) -> (String,
     }
 }
 
-/// What a push may follow, by sample.
+/// What a disturbance may follow, by sample.
 pub(crate) fn coordinates(
     problem: &Problem<'_>,
     model: &Model,

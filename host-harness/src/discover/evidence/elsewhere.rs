@@ -1,4 +1,4 @@
-//! Whether another record of the joint bears an effect out, given all the others.
+//! Whether another record of the joint confirms an effect, given all the others.
 //!
 //! Nothing is fitted to it but the level of friction and the noise, which are other ones every day. So a name that stands in
 //! for what one motion made, or one day, is told from one that is the joint's.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::blocks::{Blocks, Share};
 use super::budget::FreeRun;
-use super::disturbance::{of_push, pushed};
+use super::disturbance::{disturbance_of, run_beside};
 use super::map::{Unexplained, fitted_maps};
 use super::shares::Disturbances;
 use super::unseen::{Unseen, unseen};
@@ -52,9 +52,9 @@ pub(crate) fn mapped(
 ) -> Result<Option<Rest>, BuildError> {
     let Stage { fit, origin } = named;
     let Equation::Torque(mass) = walk.equation else { return Ok(None) };
-    let run = pushed(problem, &fit.model, noise, walk)?;
+    let run = run_beside(problem, &fit.model, noise, walk)?;
     let maps = Side::of(mass, &fit.model).map_or(Vec::new(), |side| side.maps(&run, tested));
-    let missed = of_push(&run);
+    let missed = disturbance_of(&run);
     let blocks = Blocks::of_series(tested, &missed);
     let before = blocks.squares(&missed);
     let tried = maps.into_par_iter().map(|map| {
@@ -67,7 +67,7 @@ pub(crate) fn mapped(
         moved.push(Coordinate::Effect { effect, value: 0, scale: 1.0, sigma: WIDE });
         let mut fit = polish(problem, &origin, &start, &moved, expected, &fit.noise)?;
         let unseen = unseen(problem, &named.fit, &fit, tested)?;
-        let left = of_push(&pushed(problem, &fit.model, noise, walk)?);
+        let left = disturbance_of(&run_beside(problem, &fit.model, noise, walk)?);
         let gone = Disturbances { before: before.clone(), after: blocks.squares(&left) };
         let share = gone.named();
         let free_run = FreeRun::of(problem.record, [&named.fit, &fit], noise, tested)?.factor();
@@ -123,7 +123,7 @@ impl Side {
         };
         let told =
             |(torque, tested): (f64, &bool)| if *tested { f64::NAN } else { torque * reduction };
-        let torque: Vec<f64> = of_push(run).into_iter().zip(tested).map(told).collect();
+        let torque: Vec<f64> = disturbance_of(run).into_iter().zip(tested).map(told).collect();
         let angle: Vec<f64> = run.states.iter().map(angle).collect();
         let speed: Vec<f64> =
             run.states.iter().map(|x| x[layout.speed(mass)] / reduction).collect();

@@ -1,4 +1,4 @@
-//! Whether samples that no fit has seen bear an effect out, given all the others.
+//! Whether samples that no fit has seen confirm an effect, given all the others.
 //!
 //! A likelihood on the samples that were fitted to rises with every parameter. On samples that no fit has
 //! seen it rises only by what is there. Blocks are the witnesses: what is owed to one moment has a large

@@ -4,7 +4,7 @@
 //! linear step can be believed. Every candidate is refitted with the disturbance's own size: what it gains is what
 //! it explains beyond a disturbance without a law. So effects that stood in for others fall, and lines beside them
 //! are seen: forward selection, one effect at a time, and backward elimination. The state also takes a part of slow
-//! laws with it: of a model that was lost without one, what it shows is asked without it too.
+//! laws with it: of a model that was inconsistent without one, what it shows is asked without it too.
 
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use super::coloured_effects::{eliminate, grow, refitted};
 use crate::discover::bounds::{CALM, FARTHEST, LEAST_GAIN, LOST};
 use crate::discover::checks::elimination::drop_needless;
 use crate::discover::evidence::budget::FreeRun;
-use crate::discover::evidence::disturbance::{of_push, pushed};
+use crate::discover::evidence::disturbance::{disturbance_of, run_beside};
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::colour::coloured;
@@ -42,7 +42,7 @@ pub(crate) fn beside_disturbance(
     found.bar.set_message("asking whether the joint is disturbed");
     let Stage { fit, .. } = &found.after;
     let disturbance = coloured(&problem, &fit.model, &found.expected, &fit.noise)?;
-    // One that is lost may be so by effects that stand in for a disturbance: it goes on to drop them.
+    // One that is inconsistent may be so by effects that stand in for a disturbance: it goes on to drop them.
     if !disturbance.is_disturbed() && found.noise_ratio() <= LOST {
         return Ok(None);
     }
@@ -75,7 +75,7 @@ pub(crate) fn beside_disturbance(
     Ok(Some(other))
 }
 
-/// What was found beside a disturbance, refitted without one, where `found` is lost and this makes the log likelier
+/// What was found beside a disturbance, refitted without one, where `found` is inconsistent and this makes the log likelier
 /// than it: a disturbance state shows structure, but takes a part of slow laws with it.
 ///
 /// # Errors
@@ -129,7 +129,7 @@ pub(crate) fn stands(
 fn disturbance(problem: &Problem<'_>, fit: &Fit, expected: &Noise) -> Result<f64, BuildError> {
     let scale = 20.0 * expected.torque;
     let walk = Walk::random(Equation::Torque(0), scale, 10.0 * scale);
-    let torques = of_push(&pushed(problem, &fit.model, expected, walk)?);
+    let torques = disturbance_of(&run_beside(problem, &fit.model, expected, walk)?);
     let fitted = torques.iter().zip(problem.mask).filter(|(_, weight)| **weight > 0.0);
     let (sum, count) =
         fitted.fold((0.0, 0.0), |(sum, count), (torque, _)| (sum + torque * torque, count + 1.0));
@@ -137,7 +137,7 @@ fn disturbance(problem: &Problem<'_>, fit: &Fit, expected: &Noise) -> Result<f64
 }
 
 /// The nominal refitted beside a coloured disturbance: from its plain refit and from where it was, since the
-/// plain one is bent by what is missing.
+/// plain one is biased by what is missing.
 fn begun(
     problem: &Problem<'_>,
     nominal: &Model,
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn beside_a_disturbance_what_it_imitated_falls_and_what_is_there_stays() {
         let nominal = trial::motor();
-        // A fifth of the line that the trials have: the nominal is not lost without it.
+        // A fifth of the line that the trials have: the nominal is not inconsistent without it.
         let line = trial::line(12.0).with("amplitude_nm", 0.004);
         let clean = Record::new(&trial::log(&nominal, line, 4.0), None);
         let mask = vec![1.0; clean.measured.len()];

@@ -10,6 +10,7 @@ use joint_core::params::{Friction, Location};
 use rayon::prelude::*;
 
 use crate::discover::bounds::{HELPS, LEAST_GAIN, LOST};
+use crate::discover::candidates::friction_shape;
 use crate::discover::search::search;
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
@@ -93,7 +94,7 @@ pub(crate) fn shaped(
     origin.effects.clone_from(&fit.model.effects);
     let other = search(problem, &origin, fit, known, bar)?;
     let owed = |search: &Search| cost(&search.after.fit) + LEAST_GAIN * search.rounds.len() as f64;
-    // Of a model that is still lost it is not friction that is of another shape.
+    // Of a model that is still inconsistent it is not friction that is of another shape.
     let stands = owed(&other) + price < owed(found) && other.noise_ratio() <= LOST;
     Ok(stands.then_some((origin, other)))
 }
@@ -115,7 +116,7 @@ fn with_shape(stage: &Stage, rubbing: &[(Location, Friction)], value: Value) -> 
         let slow = friction.stribeck_velocity_rad_per_s;
         let scale = value.scale(slow);
         let (effect, value) = (origin.effects.len(), value.place());
-        let mut shape = EffectParameters::new(Kind::FrictionShape, *place);
+        let mut shape = friction_shape::at(*place);
         shape.values[value] = scale;
         fit.coordinates.push(Coordinate::Effect { effect, value, scale, sigma: SIGMA });
         origin.effects.push(shape);
@@ -126,7 +127,7 @@ fn with_shape(stage: &Stage, rubbing: &[(Location, Friction)], value: Value) -> 
 
 /// What the shape of friction is, in sentences.
 pub(crate) fn told(model: &Model) -> impl Iterator<Item = String> {
-    let shapes = model.effects.iter().filter(|effect| effect.kind == Kind::FrictionShape);
+    let shapes = friction_shape::shapes_in(model);
     shapes.flat_map(|shape| {
         let [creep, thinning, ..] = shape.values;
         let place = shape.location.to_string();

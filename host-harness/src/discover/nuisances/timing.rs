@@ -9,10 +9,10 @@
 use indicatif::ProgressBar;
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
-use joint_core::params::Location;
 
 use crate::discover::bounds::WEAK;
-use crate::discover::candidates::hypothesis::{Free, Hypothesis};
+use crate::discover::candidates::input_delay::late;
+use crate::discover::candidates::sensor_delay::late_encoders;
 use crate::discover::proposals::score_test::ScoreTest;
 use crate::discover::search::search;
 use crate::discover::state::search::Search;
@@ -83,11 +83,7 @@ fn acts_ahead(problem: &Problem<'_>, nominal: &Model, fit: &Fit) -> bool {
     let interval = problem.record.grid.typical_interval();
     let Some(test) = ScoreTest::new(*problem, nominal, fit, 0) else { return false };
     let most = |shares: &[f64]| {
-        let late = EffectParameters::new(Kind::InputDelay, Location::Inverter);
-        let tried = shares.iter().map(|share| Hypothesis {
-            start: late.with("delay_s", share * interval),
-            free: vec![Free::Value { value: 0, scale: 0.2 * interval, sigma: 300.0 }],
-        });
+        let tried = shares.iter().map(|share| late(*share, interval));
         let gains = test.gains(&tried.collect::<Vec<_>>());
         gains.iter().fold(0.0, |most: f64, gain| most.max(gain.real))
     };
@@ -96,7 +92,7 @@ fn acts_ahead(problem: &Problem<'_>, nominal: &Model, fit: &Fit) -> bool {
 
 /// How many encoders were found to be late.
 fn delays(found: &Search) -> usize {
-    found.rounds.iter().filter(|round| round.name.0 == Kind::SensorDelay).count()
+    late_encoders(found.rounds.iter().map(|round| round.name))
 }
 
 /// What a search's answer costs, its names included.
@@ -106,6 +102,8 @@ fn weight(found: &Search) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use joint_core::params::Location;
+
     use super::*;
     use crate::demo::actuator;
     use crate::synthetic::{Experiment, record};

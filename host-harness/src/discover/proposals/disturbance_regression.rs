@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::discover::bounds::REGRESSED_SHARE;
 use crate::discover::candidates::hypothesis::{Hypothesis, first_of_each};
-use crate::discover::evidence::disturbance::{of_push, pushed};
+use crate::discover::evidence::disturbance::{disturbance_of, run_beside};
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Equation, Noise, Walk};
 use crate::estimate::fit::{Fit, Problem};
@@ -58,15 +58,15 @@ pub(crate) fn regressed<'a>(
         (_, Drive::Voltage) => Layout::CURRENT,
         (_, Drive::Current) => layout.speed(0),
     };
-    let run = pushed(problem, model, noise, *walk)?;
-    let mut series = vec![of_push(&run)];
+    let run = run_beside(problem, model, noise, *walk)?;
+    let mut series = vec![disturbance_of(&run)];
     for slowness in SLOWNESS {
         let slow = Walk { rate: walk.rate / slowness, ..*walk };
-        series.push(of_push(&pushed(problem, model, noise, slow)?));
+        series.push(disturbance_of(&run_beside(problem, model, noise, slow)?));
     }
     let tried = hypotheses.par_iter().filter_map(|hypothesis| {
         let shapes = shapes(problem, model, hypothesis, &run.states, (walk.equation, state))?;
-        let shares = series.iter().filter_map(|push| regression(push, &shapes));
+        let shares = series.iter().filter_map(|missed| regression(missed, &shapes));
         let (share, sizes) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let mut start = hypothesis.added(model);
         let coordinates = hypothesis.coordinates(model.effects.len());
@@ -135,9 +135,9 @@ fn shapes(
 }
 
 /// The share of a disturbance that shapes explain beside a constant, and their sizes.
-fn regression(push: &[f64], shapes: &DMatrix<f64>) -> Option<(f64, DVector<f64>)> {
-    let push = DVector::from_column_slice(push);
-    let push = push.add_scalar(-push.mean());
+fn regression(missed: &[f64], shapes: &DMatrix<f64>) -> Option<(f64, DVector<f64>)> {
+    let missed = DVector::from_column_slice(missed);
+    let missed = missed.add_scalar(-missed.mean());
     let mut shapes = shapes.clone();
     for mut shape in shapes.column_iter_mut() {
         let mean = shape.mean();
@@ -148,8 +148,8 @@ fn regression(push: &[f64], shapes: &DMatrix<f64>) -> Option<(f64, DVector<f64>)
     for k in 0..normal.nrows() {
         normal[(k, k)] += least;
     }
-    let sizes = normal.cholesky()?.solve(&shapes.tr_mul(&push));
-    let left = &push - &shapes * &sizes;
-    let share = 1.0 - left.norm_squared() / push.norm_squared();
+    let sizes = normal.cholesky()?.solve(&shapes.tr_mul(&missed));
+    let left = &missed - &shapes * &sizes;
+    let share = 1.0 - left.norm_squared() / missed.norm_squared();
     (share.is_finite() && sizes.iter().all(|size| size.is_finite())).then_some((share, sizes))
 }

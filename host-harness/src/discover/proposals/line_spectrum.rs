@@ -14,7 +14,7 @@ use crate::discover::bounds::{LINE_SHARE, LINES_TOGETHER};
 use crate::discover::candidates::hypothesis::Hypothesis;
 use crate::discover::candidates::{cogging, gravity};
 use crate::discover::checks::admissibility::is_moved;
-use crate::discover::evidence::disturbance::push_along;
+use crate::discover::evidence::disturbance::disturbance_along;
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::{Equation, Noise, Walk};
 use crate::estimate::fit::{Fit, Problem};
@@ -62,7 +62,7 @@ pub(crate) fn lines(
         return Ok(None);
     }
     let hangs = gravity::own_line(&base.fit.model);
-    left.retain(|line| !(hangs && line.order == 1 && withdrawn.contains(&Kind::Gravity)));
+    left.retain(|line| !(hangs && line.order == 1 && withdrawn.contains(&gravity::KIND)));
     let (mut start, mut origin) = (start.clone(), base.origin.clone());
     let mut coordinates = base.fit.coordinates.clone();
     for _ in 0..most {
@@ -96,11 +96,11 @@ fn strongest<'m>(
     for model in starts {
         for slowness in SLOWNESS {
             let slow = Walk { rate: walk.rate / slowness, ..walk };
-            let push = push_along(problem, model, wary, slow)?;
+            let missed = disturbance_along(problem, model, wary, slow)?;
             let rotor = problem.record.measured.iter().map(|row| row[Channel::Motor as usize]);
-            let finite = |(angle, push): &(f64, f64)| angle.is_finite() && push.is_finite();
-            let (angle, push): (Vec<f64>, Vec<f64>) = rotor.zip(push).filter(finite).unzip();
-            let (share, lines) = spectrum(&angle, &push);
+            let finite = |(angle, missed): &(f64, f64)| angle.is_finite() && missed.is_finite();
+            let (angle, missed): (Vec<f64>, Vec<f64>) = rotor.zip(missed).filter(finite).unzip();
+            let (share, lines) = spectrum(&angle, &missed);
             let better = best.as_ref().is_none_or(|(most, ..)| share > *most);
             if share > LINES_TOGETHER && better {
                 best = Some((share, lines, model));
@@ -152,15 +152,15 @@ impl Line {
 
 /// The whole orders of an angle that a disturbance shows, strongest first, and the share of it that they
 /// explain.
-fn spectrum(angle: &[f64], push: &[f64]) -> (f64, Vec<Line>) {
+fn spectrum(angle: &[f64], missed: &[f64]) -> (f64, Vec<Line>) {
     let wave = |order: usize| {
         angle.iter().map(move |q| (order as f64 * q).sin_cos()).collect::<Vec<(f64, f64)>>()
     };
-    let push = DVector::from_column_slice(push);
-    let total = push.add_scalar(-push.mean()).norm_squared();
-    let mut columns = vec![DVector::repeat(push.len(), 1.0)];
+    let missed = DVector::from_column_slice(missed);
+    let total = missed.add_scalar(-missed.mean()).norm_squared();
+    let mut columns = vec![DVector::repeat(missed.len(), 1.0)];
     let mut orders: Vec<usize> = Vec::new();
-    let mut left = push.add_scalar(-push.mean());
+    let mut left = missed.add_scalar(-missed.mean());
     let mut fitted = DVector::zeros(1);
     while orders.len() < LINES && total > 0.0 {
         let strength = |order: &usize| {
@@ -173,12 +173,14 @@ fn spectrum(angle: &[f64], push: &[f64]) -> (f64, Vec<Line>) {
         let next = free.map(|order| (strength(&order), order)).max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, order)) = next else { break };
         let waves = wave(order);
-        columns.push(DVector::from_iterator(push.len(), waves.iter().map(|w| w.1)));
-        columns.push(DVector::from_iterator(push.len(), waves.iter().map(|w| w.0)));
+        columns.push(DVector::from_iterator(missed.len(), waves.iter().map(|w| w.1)));
+        columns.push(DVector::from_iterator(missed.len(), waves.iter().map(|w| w.0)));
         let design = DMatrix::from_columns(&columns);
         let normal = design.tr_mul(&design);
-        let Some(solved) = normal.cholesky().map(|c| c.solve(&design.tr_mul(&push))) else { break };
-        let rest = &push - &design * &solved;
+        let Some(solved) = normal.cholesky().map(|c| c.solve(&design.tr_mul(&missed))) else {
+            break;
+        };
+        let rest = &missed - &design * &solved;
         if left.norm_squared() - rest.norm_squared() < LINE_SHARE * total {
             break;
         }
@@ -202,11 +204,11 @@ mod tests {
     #[test]
     fn the_lines_of_a_push_are_found_over_one_turn_with_their_phases() {
         let angle: Vec<f64> = (0..4000).map(|k| 6.3 * f64::from(k) / 4000.0).collect();
-        let push: Vec<f64> = angle
+        let missed: Vec<f64> = angle
             .iter()
             .map(|q| 0.3 - 2.0 * (7.0 * q + 0.4).sin() - (28.0 * q - 1.0).sin())
             .collect();
-        let (share, found) = spectrum(&angle, &push);
+        let (share, found) = spectrum(&angle, &missed);
         assert!(share > 0.999);
         assert_eq!(found.iter().map(|line| line.order).collect::<Vec<_>>(), [7, 28]);
         assert!((found[0].amplitude() - 2.0).abs() < 1e-6);
@@ -222,7 +224,7 @@ mod tests {
             noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_041);
             (noise >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
         };
-        let push: Vec<f64> = angle.iter().map(|_| white()).collect();
-        assert!(spectrum(&angle, &push).0 < LINES_TOGETHER);
+        let missed: Vec<f64> = angle.iter().map(|_| white()).collect();
+        assert!(spectrum(&angle, &missed).0 < LINES_TOGETHER);
     }
 }

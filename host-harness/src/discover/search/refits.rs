@@ -1,6 +1,6 @@
 //! Fits that are stuck, and how they come free.
 //!
-//! What is missing holds springs in a wrong valley and friction in a wrong hollow, and they stay there when
+//! What is missing holds springs and friction in a wrong local minimum, and they stay there when
 //! it is missing no more. Both leave something: noise that no right model needs, or a rest that is none.
 
 use crate::discover::bounds::LOST;
@@ -61,7 +61,7 @@ pub(crate) fn is_clean(problem: &Problem<'_>, search: &Search) -> Result<bool, B
     Ok(left.complaints(search.rounds.is_empty()).is_empty())
 }
 
-/// Whether a nominal may be fitted in a wrong hollow: one that needs more noise than it should, or that of a
+/// Whether a nominal may be fitted in a wrong local minimum: one that needs more noise than it should, or that of a
 /// chain which leaves more than noise.
 ///
 /// # Errors

@@ -1,10 +1,14 @@
 //! What a constant torque explains where gravity is named.
 
+use joint_core::effect::Kind;
+
 use crate::discover::bounds::LEAST_GAIN;
 
 /// What a constant torque explains in gravity's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Constant {
+    /// The kind in whose place it stands.
+    pub(crate) of: Kind,
     /// What it takes from minus twice the log-likelihood, less what gravity takes.
     pub(crate) lead: f64,
     /// Its torque on the rotor, Nm.
@@ -20,7 +24,7 @@ impl Constant {
 
     /// What it says of gravity, in a sentence; `gravity` is what that takes.
     pub(crate) fn told(&self, gravity: f64) -> String {
-        let Self { lead, torque_nm } = self;
+        let Self { lead, torque_nm, .. } = self;
         let gain = gravity + lead;
         let says = match () {
             () if self.lead >= 0.0 => "nothing shows that the pull changes with the angle",
@@ -39,7 +43,8 @@ mod tests {
 
     #[test]
     fn gravity_has_to_explain_something_beside_a_constant() {
-        let undecided = |lead: f64| Constant { lead, torque_nm: 1.0 }.undecided();
+        let undecided =
+            |lead: f64| Constant { of: Kind::Gravity, lead, torque_nm: 1.0 }.undecided();
         let near = 0.9 * LEAST_GAIN;
         assert_eq!([near, -near, -2.0 * near].map(undecided), [true, true, false]);
     }
