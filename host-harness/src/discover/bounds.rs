@@ -2,9 +2,10 @@
 //! one place.
 //!
 //! Each line says what it is, its unit, and where it comes from. *derived*: from a distribution or another number of
-//! this table; *convention*: the usual level of a test; *physics*: what a joint, a drive or a sensor can do, with
-//! room; *draws*: chosen on drawn joints whose truth was known. A gain is a difference of minus twice the
-//! log-likelihood, priors included. What is merely numerical (iterations, grids) stands beside its use.
+//! this table; *convention*: the usual level of a test, or an agreed one; *physics*: what a joint, a drive or a sensor
+//! can do, with room; *draws*: chosen on drawn joints whose truth was known, no more is recorded of it. A gain is a
+//! difference of minus twice the log-likelihood, priors included. What is merely numerical (iterations, grids, sizes
+//! of a field) stands beside its use.
 
 /// Stages from which on a likelihood has many maxima, count; draws.
 pub(crate) use crate::estimate::refit::RUGGED;
@@ -57,7 +58,7 @@ pub(crate) const RIVALLING: f64 = 0.2;
 pub(crate) const AS_MUCH: f64 = 0.9;
 /// Share of the best score at inflated noise from which on an effect is fitted, 1; draws.
 pub(crate) const ANNEALED_SHARE: f64 = 0.003;
-/// RMS of prediction errors at inflated noise where they are nothing else, sigmas; derived (1 and its scatter).
+/// RMS of prediction errors at inflated noise where they are nothing else, sigmas; draws.
 pub(crate) const ANNEALED_NOISE: f64 = 1.05;
 /// The same in the end where an effect beside others explains what is left, sigmas; draws.
 pub(crate) const ANNEALED_JOINT: f64 = 1.3;
@@ -122,7 +123,7 @@ pub(crate) const COUNTS: f64 = 6.0;
 pub(crate) const BY_CHANCE: f64 = 0.05;
 /// Standard errors beyond which lies a twentieth of a normal deviate, one-sided, 1; derived.
 pub(crate) const SIGMAS: f64 = 1.645;
-/// Share of the RMS of what drives an equation up to which a predictable remainder does not matter, 1; physics.
+/// Share of the RMS of what drives an equation up to which a predictable remainder does not matter, 1; convention.
 pub(crate) const TOLERANCE: f64 = 0.01;
 /// Most that an innovation counts for on unseen samples, sigmas: few moments of slip outweigh no others; draws.
 pub(crate) const MOST_INNOVATION: f64 = 10.0;
