@@ -6,6 +6,7 @@ pub mod datasheet;
 pub mod demo;
 pub mod discover;
 pub mod export;
+pub mod failure;
 pub mod identify;
 
 pub mod import;

@@ -57,6 +57,7 @@ pub mod fixed;
 pub mod friction;
 pub mod gear;
 pub mod joint;
+pub mod lookup;
 pub mod motor;
 pub mod number;
 pub mod observer;

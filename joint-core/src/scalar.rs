@@ -1,9 +1,9 @@
 //! The number that a whole joint is computed in.
 
 use crate::angle::Turns;
-use crate::effect::table::Lookup;
 use crate::friction::{Damped, LuGre};
 use crate::gear::Deflection;
+use crate::lookup::Lookup;
 use crate::number::{Elementary, Limits, Sums};
 use crate::work::Wide;
 

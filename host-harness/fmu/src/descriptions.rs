@@ -2,7 +2,7 @@
 
 use joint_core::effect::Kind;
 
-use crate::joint::Joint;
+use crate::effect::EffectDescription;
 
 /// Smallest and largest value.
 pub(crate) type Limits = [Option<f64>; 2];
@@ -63,13 +63,13 @@ const PARAMETERS: [(&str, &str, Limits); 23] = [
     ("worm_friction_coefficient", "Friction coefficient of the worm's mesh", NOT_NEGATIVE),
 ];
 
-/// What a variable of a joint is, and its limits.
-pub(crate) fn of(joint: &Joint, name: &str) -> (String, Limits) {
+/// What a variable of a joint with these effects is, and its limits.
+pub(crate) fn of(effects: &[EffectDescription], name: &str) -> (String, Limits) {
     if let Some((_, text)) = SIGNALS.iter().find(|(own, _)| *own == name) {
         return ((*text).to_owned(), ANY);
     }
     if let Some((table, key)) = name.split_once('.') {
-        return of_parameter(joint, name, table, key);
+        return of_parameter(effects, name, table, key);
     }
     let Some((stage, quantity)) = name.split_once('_') else { return (name.to_owned(), ANY) };
     let quantity = format!("_{quantity}");
@@ -77,10 +77,15 @@ pub(crate) fn of(joint: &Joint, name: &str) -> (String, Limits) {
     (format!("Stage {}: {text}", stage.trim_start_matches("stage")), ANY)
 }
 
-fn of_parameter(joint: &Joint, name: &str, table: &str, key: &str) -> (String, Limits) {
+fn of_parameter(
+    effects: &[EffectDescription],
+    name: &str,
+    table: &str,
+    key: &str,
+) -> (String, Limits) {
     if let Some(number) = table.strip_prefix("effect") {
         let place = number.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
-        if let Some(effect) = place.and_then(|place| joint.effect.get(place)) {
+        if let Some(effect) = place.and_then(|place| effects.get(place)) {
             let spec = Kind::from_name(&effect.kind).map(Kind::spec);
             let own = spec.and_then(|spec| spec.parameters.iter().find(|own| own.key == key));
             let limits = own.map_or(ANY, |own| [own.low, own.high].map(Some));
@@ -103,7 +108,7 @@ fn of_parameter(joint: &Joint, name: &str, table: &str, key: &str) -> (String, L
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::joint::{EffectDescription, Input};
+    use crate::joint::{Input, Joint};
     use joint_core::params::{Load, Motor, Stage};
 
     #[test]

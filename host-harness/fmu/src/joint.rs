@@ -1,12 +1,13 @@
 //! What joint it is: the file in the FMU's resources, and the variables that follow from it.
 
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::EffectParameters;
 use joint_core::joint::Drive;
 use joint_core::params::{Load, Motor, Stage};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::descriptions::{self, Limits};
+pub use crate::effect::{EffectDescription, JointError};
 
 /// What the importing tool puts in first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,63 +25,6 @@ impl From<Input> for Drive {
             Input::Voltage => Drive::Voltage,
             Input::Current => Drive::Current,
         }
-    }
-}
-
-/// An effect by its names in the model file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EffectDescription {
-    /// Its kind.
-    pub kind: String,
-    /// Its place.
-    pub location: String,
-    /// Its parameters by key.
-    pub parameters: Map<String, Value>,
-}
-
-impl EffectDescription {
-    /// Of an effect.
-    pub fn of(effect: &EffectParameters) -> Self {
-        let spec = effect.kind.spec();
-        let values = spec.parameters.iter().zip(effect.values);
-        let mut parameters: Map<String, Value> =
-            values.map(|(own, value)| (own.key.to_owned(), value.into())).collect();
-        if let Some(own) = &spec.table {
-            let knots = [effect.table.forward(), effect.table.backward()];
-            for (key, knots) in [own.forward, own.backward].into_iter().zip(knots) {
-                if !knots.is_empty() {
-                    parameters.insert(key.to_owned(), knots.into());
-                }
-            }
-        }
-        Self { kind: spec.kind.to_owned(), location: effect.location.to_string(), parameters }
-    }
-
-    fn effect(&self) -> Result<EffectParameters, JointError> {
-        let unknown = |what: &str| JointError(format!("unknown {what} of an effect"));
-        let kind = Kind::from_name(&self.kind).ok_or_else(|| unknown(&self.kind))?;
-        let location = self.location.parse().map_err(|()| unknown(&self.location))?;
-        let mut effect = EffectParameters::new(kind, location);
-        if let Some(own) = &kind.spec().table {
-            let knots = |key: &str| -> Result<Vec<f64>, JointError> {
-                let Some(value) = self.parameters.get(key) else { return Ok(Vec::new()) };
-                let numbers =
-                    value.as_array().and_then(|all| all.iter().map(Value::as_f64).collect());
-                numbers.ok_or_else(|| unknown(key))
-            };
-            effect = effect
-                .with_table(&knots(own.forward)?, &knots(own.backward)?)
-                .ok_or_else(|| unknown(own.forward))?;
-        }
-        let of_table = |key: &&String| {
-            let table = kind.spec().table;
-            table.is_some_and(|table| [table.forward, table.backward].contains(&key.as_str()))
-        };
-        for (key, value) in self.parameters.iter().filter(|(key, _)| !of_table(key)) {
-            effect.get(key).ok_or_else(|| unknown(key))?;
-            effect = effect.with(key, value.as_f64().ok_or_else(|| unknown(key))?);
-        }
-        Ok(effect)
     }
 }
 
@@ -102,18 +46,6 @@ pub struct Joint {
     /// What is beside the plain equations.
     pub effect: Vec<EffectDescription>,
 }
-
-/// Why a joint cannot be read or run.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct JointError(pub(crate) String);
-
-impl std::fmt::Display for JointError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for JointError {}
 
 /// A variable of the FMU; its value reference is its place in [`Joint::variables`].
 #[derive(Clone, Debug, PartialEq)]
@@ -216,7 +148,7 @@ impl Joint {
             Input::Current => "command_current_a",
         };
         let variable = |name: String, causality, start| {
-            let (description, limits) = descriptions::of(self, &name);
+            let (description, limits) = descriptions::of(&self.effect, &name);
             Variable { name, causality, start, description, limits }
         };
         let inputs = [drive, "load_torque_nm"].map(str::to_owned).into_iter();
@@ -299,6 +231,8 @@ fn numbers(value: &Value, name: &str, place: &str, found: &mut Vec<Parameter>) {
 
 #[cfg(test)]
 mod tests {
+    use joint_core::effect::Kind;
+
     use super::*;
 
     #[test]

@@ -10,6 +10,7 @@
 mod component;
 mod description;
 mod descriptions;
+mod effect;
 pub mod functions;
 mod joint;
 mod running;

@@ -14,7 +14,19 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 
 use crate::model::Model;
-use crate::plant::Inputs;
+
+/// What drives a joint over a record: sample `k` is held from `time_s[k]` to `time_s[k + 1]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inputs {
+    /// Sample times, s, rising.
+    pub time_s: Vec<f64>,
+    /// What the drive imposes.
+    pub drive: Drive,
+    /// Volts or amperes; not a number where the drive lets go: no current flows then.
+    pub drive_values: Vec<f64>,
+    /// Load at the output, Nm, positive against positive motion.
+    pub load_nm: Vec<f64>,
+}
 
 /// Smallest share of an interval that is stepped on its own.
 const LEAST: f64 = 1e-3;

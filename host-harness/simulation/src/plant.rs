@@ -18,6 +18,7 @@ use crate::grid::Grid;
 use crate::lanes::{self, Abreast, Constants, Linear};
 use crate::model::Model;
 
+pub use crate::acting::Inputs;
 pub use crate::layout::{Layout, MAX_STAGES};
 
 /// Which number the joint is computed in.
@@ -29,19 +30,6 @@ pub enum ScalarKind {
     F32,
     /// Fixed point, bit for bit as on a drive without a floating-point unit.
     Fixed,
-}
-
-/// What drives a joint over a record: sample `k` is held from `time_s[k]` to `time_s[k + 1]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Inputs {
-    /// Sample times, s, rising.
-    pub time_s: Vec<f64>,
-    /// What the drive imposes.
-    pub drive: Drive,
-    /// Volts or amperes; not a number where the drive lets go: no current flows then.
-    pub drive_values: Vec<f64>,
-    /// Load at the output, Nm, positive against positive motion.
-    pub load_nm: Vec<f64>,
 }
 
 /// One stage at one instant, at its own side.

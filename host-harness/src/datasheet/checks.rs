@@ -4,7 +4,7 @@
 //! shows against another number of the same sheet, or in a time constant.
 
 use super::Datasheet;
-use super::draft::{digits, no_load_speed};
+use super::table::{digits, no_load_speed};
 
 /// How far two statements of one thing may differ by the sheet's own rounding and tolerance.
 const AGREES: f64 = 0.03;

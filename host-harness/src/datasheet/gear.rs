@@ -4,7 +4,7 @@
 //! friction never; both follow from the torque that the gear is made for.
 
 use super::Datasheet;
-use super::draft::{Line, Slip, Table, assumed, no_load_speed, stated};
+use super::table::{Line, Slip, Table, assumed, no_load_speed, stated};
 
 /// Continuous torque of a motor over the Coulomb part of its no-load torque, where the gear's own torque is not
 /// stated: 30 to 70 on small motors.

@@ -10,6 +10,7 @@ mod checks;
 mod draft;
 mod gear;
 pub mod quantity;
+mod table;
 
 pub use checks::checks;
 pub use draft::{Draft, Line, Table};

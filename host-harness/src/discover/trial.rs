@@ -4,9 +4,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::hypothesis::Hypothesis;
-use super::search::{Round, Stage};
 use crate::demo::actuator;
+use crate::discover::candidates::hypothesis::Hypothesis;
+use crate::discover::state::rounds::Round;
+use crate::discover::state::stage::Stage;
 use crate::estimate::fit::Problem;
 use crate::estimate::{noise, refit};
 use crate::log::Log;

@@ -11,10 +11,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::baseline::{self, Baseline};
 use super::bound::{Bounds, Known, bounds};
-use super::design::{Tuning, breakaway_nm};
+use super::design::Tuning;
 use super::judge::shown;
 use super::over::Samples;
-use super::rating::Rating;
+use super::rating::{Rating, breakaway_nm};
 use super::score::{Guess, Judged, Score};
 use super::truth::frictions;
 use super::twin::{Felt, Motion, Style, Twin};

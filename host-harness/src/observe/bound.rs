@@ -16,8 +16,8 @@
 use joint_core::joint::Drive;
 use nalgebra::{DMatrix, DVector};
 
-use super::design::sensors;
 use super::linear::{Linear, Order, linearise};
+use super::noise::sensors;
 use super::rating::Rating;
 use super::truth::friction;
 use super::twin::{Felt, Twin};

@@ -1,13 +1,12 @@
 //! From a model to the constants of its observer.
 
-use firmware::parameters::Sensing;
 use joint_core::joint::Drive;
 use joint_core::observer::{CHANNELS, Column, Design, Level, Regime, SETS, Spread, StageRow};
-use joint_core::per_unit::Bases;
 use nalgebra::DMatrix;
 
 use super::linear::{Linear, Order, decelerations, linearise};
-use super::rating::Rating;
+use super::noise::{drive_noise, sensors};
+use super::rating::{Rating, breakaway_nm};
 use super::riccati::{Median, Uncertain, medians};
 use super::twin::{Felt, Motion, Style};
 use crate::model::Model;
@@ -83,45 +82,6 @@ impl Default for Tuning {
             varying_s: 0.087,
         }
     }
-}
-
-/// One sigma of the sensors: A, rad, rad; infinite where the model has none. A rotor encoder of unknown
-/// counts is the firmware's default.
-pub fn sensors(model: &Model) -> [f64; CHANNELS] {
-    let count = |counts: f64| {
-        if counts > 0.0 { std::f64::consts::TAU / counts / 12.0_f64.sqrt() } else { f64::INFINITY }
-    };
-    let sensor = &model.sensor;
-    let current = if sensor.current_noise_a > 0.0 { sensor.current_noise_a } else { f64::INFINITY };
-    let output = if model.stages.is_empty() {
-        f64::INFINITY
-    } else {
-        count(sensor.output_encoder_counts_per_rev)
-    };
-    let motor = match sensor.motor_encoder_counts_per_rev {
-        counts if counts > 0.0 => counts,
-        _ => f64::from(Sensing::DEFAULT.motor_counts_per_turn),
-    };
-    [current, count(motor), output]
-}
-
-/// Noise on the drive, one sigma held over a sample, V or A: a share of the rated one, and of a current
-/// that is the input what its sensor adds.
-pub fn drive_noise(model: &Model, kind: Drive, rating: &Rating, share: f64) -> f64 {
-    let sensor = match kind {
-        Drive::Voltage => 0.0,
-        Drive::Current => model.sensor.current_noise_a,
-    };
-    sensor.hypot(share * rating.drive)
-}
-
-/// Torque at the motor that breaks the whole joint away, Nm.
-pub fn breakaway_nm(model: &Model) -> f64 {
-    let bases = Bases::si(&model.motor, &model.stages);
-    let stages = model.stages.iter().enumerate();
-    let behind: f64 =
-        stages.map(|(k, stage)| stage.friction.breakaway_nm() * bases.shaft(k + 1).abs()).sum();
-    model.motor.friction.breakaway_nm() + behind
 }
 
 /// Designs an observer's constants.

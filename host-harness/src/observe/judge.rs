@@ -13,8 +13,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::design::{breakaway_nm, drive_noise, sensors};
-use super::rating::Rating;
+use super::noise::{drive_noise, sensors};
+use super::rating::{Rating, breakaway_nm};
 use super::run::{Seen, observer, run};
 use super::twin::{Felt, Motion, Style, Twin};
 use crate::model::Model;

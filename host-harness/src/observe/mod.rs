@@ -12,6 +12,7 @@ pub mod design;
 pub mod drive;
 pub mod judge;
 pub mod linear;
+pub mod noise;
 pub mod over;
 pub mod plot;
 pub mod rating;

@@ -32,7 +32,7 @@ impl Rating {
             // friction, takes the rotor to 100 rad/s in a tenth of a second.
             Drive::Current => {
                 let rotor = 1e3 * model.motor.rotor_inertia_kg_m2;
-                let torque = (6.0 * super::design::breakaway_nm(model)).max(rotor);
+                let torque = (6.0 * breakaway_nm(model)).max(rotor);
                 torque / model.motor.torque_constant_nm_per_a
             }
         };
@@ -45,7 +45,7 @@ impl Rating {
     pub fn held(model: &Model) -> f64 {
         let bases = Bases::si(&model.motor, &model.stages);
         let shaft = bases.shaft(model.stages.len()).abs();
-        let held = super::design::breakaway_nm(model) / shaft;
+        let held = breakaway_nm(model) / shaft;
         if held > 0.0 { held } else { 0.01 * model.motor.torque_constant_nm_per_a / shaft }
     }
 
@@ -59,4 +59,13 @@ impl Rating {
         let torque = current * model.motor.torque_constant_nm_per_a;
         0.25 * torque / bases.shaft(model.stages.len()).abs()
     }
+}
+
+/// Torque at the motor that breaks the whole joint away, Nm.
+pub fn breakaway_nm(model: &Model) -> f64 {
+    let bases = Bases::si(&model.motor, &model.stages);
+    let stages = model.stages.iter().enumerate();
+    let behind: f64 =
+        stages.map(|(k, stage)| stage.friction.breakaway_nm() * bases.shaft(k + 1).abs()).sum();
+    model.motor.friction.breakaway_nm() + behind
 }

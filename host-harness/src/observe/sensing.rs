@@ -10,7 +10,8 @@
 
 use std::f64::consts::TAU;
 
-use super::design::{Tuning, gains, sensors};
+use super::design::{Tuning, gains};
+use super::noise::sensors;
 use super::over::Samples;
 use super::rating::Rating;
 use super::run::{Seen, observer, run};

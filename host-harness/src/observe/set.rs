@@ -9,10 +9,10 @@ use joint_core::per_unit::Bases;
 
 use super::bench::{Case, Error, judge, observed, truths as truths_of};
 use super::bound::{Bounds, Known, bounds};
-use super::design::{breakaway_nm, drive_noise};
 use super::judge::shown;
+use super::noise::drive_noise;
 use super::over::Samples;
-use super::rating::Rating;
+use super::rating::{Rating, breakaway_nm};
 use super::score::{Guess, Judged, Score, jumps};
 use super::twin::{Felt, Motion, Style};
 use crate::estimate::fit::Problem;

@@ -9,8 +9,8 @@ use tempfile::TempDir;
 
 use super::place::{DONE, FILES, NEW, place, sweep};
 use super::{PREFIX, is_same, missing, over_an_input, settle, unwritable};
+use crate::failure::Failure;
 use crate::standard;
-use crate::verb::Failure;
 
 /// A folder of results, locked against other runs for as long as this one has it.
 #[derive(Debug)]

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::{PREFIX, folder_of, is_same, nearest, over_an_input, unwritable};
+use crate::failure::Failure;
 use crate::log::compressed;
 use crate::standard;
-use crate::verb::Failure;
 
 /// A single file of results.
 #[derive(Clone, Debug)]

@@ -16,7 +16,7 @@ use std::path::{Component, Path, PathBuf};
 pub use dir::OutDir;
 pub use file::OutFile;
 
-use crate::verb::Failure;
+use crate::failure::Failure;
 
 /// What is not yet or no longer a result starts with this, so that what an interrupted run left is told
 /// from one.

@@ -33,8 +33,8 @@ pub(super) fn table(findings: &Findings) -> String {
                 field(&mut text, rows.get(k).map(|row| row[*channel as usize]));
             }
         }
-        field(&mut text, findings.push.before.get(k).copied());
-        field(&mut text, findings.push.after.get(k).copied());
+        field(&mut text, findings.disturbance.before.get(k).copied());
+        field(&mut text, findings.disturbance.after.get(k).copied());
         text.push('\n');
     }
     text

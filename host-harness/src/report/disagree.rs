@@ -24,10 +24,10 @@ const STRONGEST: usize = 6;
 
 /// The section.
 pub(super) fn section(page: &mut String, findings: &Findings) {
-    if findings.push.before.iter().all(|value| *value == 0.0 || !value.is_finite()) {
+    if findings.disturbance.before.iter().all(|value| *value == 0.0 || !value.is_finite()) {
         return;
     }
-    let equation = &findings.push.equation;
+    let equation = &findings.disturbance.equation;
     let _ = writeln!(
         page,
         "<h2>Where they disagree</h2>\n<p>{}. The disturbance is what the log asks to be added to the {} \
@@ -56,7 +56,7 @@ fn leading_shape(findings: &Findings) -> &Shape {
 fn leading(page: &mut String, findings: &Findings) {
     let shape = leading_shape(findings);
     let (name, _) = quantity(&shape.coordinate);
-    let title = format!("Disturbance of the {} against {name}", findings.push.equation);
+    let title = format!("Disturbance of the {} against {name}", findings.disturbance.equation);
     page.push_str(&against(findings, title, shape).sized(WIDTH, 200.0).svg());
 }
 
@@ -71,7 +71,7 @@ fn added(findings: &Findings) -> bool {
 }
 
 fn disturbance(findings: &Findings) -> Axis<'static> {
-    Axis::linear("disturbance", findings.push.unit)
+    Axis::linear("disturbance", findings.disturbance.unit)
 }
 
 fn against<'a>(findings: &Findings, title: String, shape: &'a Shape) -> Plot<'a> {
@@ -83,7 +83,7 @@ fn against<'a>(findings: &Findings, title: String, shape: &'a Shape) -> Plot<'a>
 
 /// Along the log, zoomed with the runs.
 fn along(page: &mut String, findings: &Findings) {
-    let push = &findings.push;
+    let push = &findings.disturbance;
     let title = format!("Disturbance of the {} along the log", push.equation);
     let plot = Plot::new(title, Axis::linear("time", "s"), disturbance(findings));
     let series = pair(findings, Mark::Line, &findings.time_s, [&push.before, &push.after]);
@@ -116,7 +116,7 @@ fn panels(page: &mut String, findings: &Findings) {
 
 /// Amplitudes by order of the motor angle.
 fn orders(page: &mut String, findings: &Findings) {
-    let lines = spectrum(&findings.angles.motor_rad, &findings.orders, &findings.push);
+    let lines = spectrum(&findings.angles.motor_rad, &findings.orders, &findings.disturbance);
     if lines.is_empty() {
         return;
     }
@@ -132,7 +132,7 @@ fn orders(page: &mut String, findings: &Findings) {
     let mut strongest = lines;
     strongest.sort_by(|a, b| b[1].total_cmp(&a[1]));
     strongest.truncate(STRONGEST);
-    let unit = findings.push.unit;
+    let unit = findings.disturbance.unit;
     let names = if added(findings) { &["refitted", "improved"][..] } else { &["refitted"] };
     page.push_str("<table><tr><th>strongest orders, per turn");
     names.iter().for_each(|name| page.push_str(&format!("<th class=n>{name}")));
@@ -151,7 +151,7 @@ fn orders(page: &mut String, findings: &Findings) {
 /// The disturbance over the wind-up, while it grows and while it falls.
 fn hysteresis(page: &mut String, findings: &Findings) {
     let angles = &findings.angles;
-    let push = &findings.push;
+    let push = &findings.disturbance;
     if angles.windup_rad.is_empty() || !csv::measured(findings).contains(&Channel::Output) {
         return;
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::discover::findings::Push;
+use crate::discover::findings::Disturbance;
 
 /// Orders that are looked at besides those that were named.
 const ORDERS: u32 = 48;
@@ -15,7 +15,7 @@ const LEAST: f64 = 8.0;
 
 /// Order, amplitude before and after: whole orders and those that were named. Nothing where the joint went too
 /// few turns.
-pub(super) fn spectrum(angle_rad: &[f64], named: &[f64], push: &Push) -> Vec<[f64; 3]> {
+pub(super) fn spectrum(angle_rad: &[f64], named: &[f64], push: &Disturbance) -> Vec<[f64; 3]> {
     let known = || angle_rad.iter().copied().filter(|angle| angle.is_finite());
     let ends = known().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], angle| {
         [low.min(angle), high.max(angle)]
@@ -84,7 +84,8 @@ mod tests {
         let line = |order: f64, height: f64| -> Vec<f64> {
             angle.iter().map(|angle| 3.0 + height * (order * angle).cos()).collect()
         };
-        let push = Push { before: line(7.0, 2.0), after: line(3.5, 0.5), ..Push::default() };
+        let push =
+            Disturbance { before: line(7.0, 2.0), after: line(3.5, 0.5), ..Disturbance::default() };
         let lines = spectrum(&angle, &[3.5], &push);
         for [order, before, after] in lines {
             let exact =

@@ -8,7 +8,7 @@ use crate::demo::actuator;
 use crate::discover::candidates::card;
 use crate::discover::evidence::{Budget, FreeRun};
 use crate::discover::findings::*;
-use crate::discover::gate::Remainder;
+use crate::discover::goodness_of_fit::Remainder;
 use crate::log::Log;
 use crate::plot::text::{digits, escape, per_cent, si, si_with_sigma};
 use crate::synthetic::{Experiment, record};
@@ -102,7 +102,7 @@ pub(super) fn findings(samples: usize) -> Findings {
         held_out: (0..samples).map(|k| (k * 10 / samples) == 3).collect(),
         before: rows(3.0),
         after: rows(1.0),
-        push: Push {
+        disturbance: Disturbance {
             equation: "rotor torque".into(),
             unit: "Nm",
             before: wave(1.0),

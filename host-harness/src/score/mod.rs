@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::discover::candidates::card;
 use crate::discover::evidence::Budget;
 use crate::discover::findings::{Findings, Named, Verdict};
-use crate::discover::gate::Remainder;
+use crate::discover::goodness_of_fit::Remainder;
 
 pub use breakdown::{Breakdown, Reliability};
 use misfits::Misfits;

@@ -9,7 +9,6 @@ use heapless::Vec;
 
 use crate::angle::{Angle, Ratio};
 use crate::batch::{Batch, Numbers, batch};
-use crate::number::Number;
 use crate::params::{Check, ParameterError, Reason};
 use crate::scalar::Scalar;
 
@@ -144,40 +143,6 @@ const fn filled<'a>(mut places: &'a mut [f64], mut values: &[f64]) -> Option<&'a
     Some(places)
 }
 
-/// How a format looks into a table.
-pub trait Lookup: Number {
-    /// The value of the curve through `knots` at a part of its length from 0 to 1, and its change from
-    /// the knot before to the knot behind.
-    fn looked_up(self, knots: &[Self]) -> [Self; 2];
-}
-
-/// Knot before and behind number `at`, and how far a place lies from the first to the second.
-#[inline(always)]
-pub(crate) fn between<S: Number>(knots: &[S], at: usize) -> [S; 2] {
-    let knot = |k: usize| knots.get(k).copied().unwrap_or_default();
-    let before = knot(at);
-    [before, knot(at + 1) - before]
-}
-
-macro_rules! float {
-    ($float:ident) => {
-        impl Lookup for $float {
-            #[inline(always)]
-            fn looked_up(self, knots: &[Self]) -> [Self; 2] {
-                let last = knots.len().saturating_sub(2);
-                let place = self * (last + 1) as $float;
-                // A float becomes the nearest whole number that there is, zero where it is none.
-                let at = (place as usize).min(last);
-                let [before, change] = between(knots, at);
-                [before + change * (place - at as $float), change]
-            }
-        }
-    };
-}
-
-float!(f32);
-float!(f64);
-
 /// A table in the numbers of a joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -278,6 +243,7 @@ impl<S: Scalar> Course<S> {
 mod tests {
     use super::*;
     use crate::fixed::Fixed;
+    use crate::number::Number;
 
     const FORWARD: [f64; 4] = [1.0, -2.0, 0.5, 4.0];
     const BACKWARD: [f64; 4] = [0.0, 1.0, 1.0, -3.0];

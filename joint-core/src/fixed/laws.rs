@@ -5,9 +5,9 @@ use ::fixed::types::{I0F32, I6F26, I102F26};
 use super::lines::{EXPONENTIAL, RELAXATION};
 use super::{Fixed, Gain, PLACES, UNIT, from_place, nearest_upper};
 use crate::angle::{Turns, counted};
-use crate::effect::table::{Lookup, between};
 use crate::friction::{Damped, Relaxation, Stribeck};
 use crate::gear::Deflection;
+use crate::lookup::{Lookup, between};
 use crate::number::Number;
 
 impl Turns for Fixed {

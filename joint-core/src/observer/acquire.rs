@@ -3,7 +3,7 @@
 //! Gains are those of small errors. A joint that is already turning when the drive wakes up is
 //! therefore measured first, over one step where that is enough for its speed and over a few else.
 
-use super::innovation::motor_ahead;
+use super::innovation::{MOST_OUTPUT_COASTED, motor_ahead};
 use super::{
     Disturbance, Electrical, InnovationMeans, Missing, Observer, ParameterErrors, Sample, Schedule,
     Status, Track,
@@ -11,8 +11,6 @@ use super::{
 use crate::effect::Effects;
 use crate::scalar::Real;
 
-/// Samples without an output angle after which the gains are those without that encoder.
-pub(super) const MOST_OUTPUT_COASTED: u16 = 3;
 /// Steps over which the first speed is measured where one step is too short for it.
 pub(super) const FIRST: u8 = 8;
 

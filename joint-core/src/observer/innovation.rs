@@ -6,7 +6,6 @@
 
 use core::hint::cold_path;
 
-use super::acquire::MOST_OUTPUT_COASTED;
 use super::column::CHANNELS;
 use super::gains::{Gains, WITH_OUTPUT, Whiten};
 use super::health::Status;
@@ -16,6 +15,8 @@ use crate::effect::Effects;
 use crate::joint::State;
 use crate::scalar::Real;
 
+/// Samples without an output angle after which the gains are those without that encoder.
+pub(super) const MOST_OUTPUT_COASTED: u16 = 3;
 /// Outliers after which winding and magnets are no longer taken to be known: a dip under a drive that
 /// moves has dozens.
 const OUTLIERS: u16 = 64;

@@ -9,9 +9,9 @@ use std::f64::consts::LOG2_E;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use joint_core::angle::Turns;
-use joint_core::effect::table::Lookup;
 use joint_core::friction::{Damped, Relaxation, Stribeck};
 use joint_core::gear::Deflection;
+use joint_core::lookup::Lookup;
 use joint_core::number::{Elementary, Limits, Number, Sums, halved, halved_in_part};
 use joint_core::work::{Wide, Work};
 

@@ -22,7 +22,6 @@ use joint_core::per_unit::{Bases, reflected_inertia};
 
 use super::ReferenceError;
 use super::friction::{Contact, Family, elastoplastic, limited_viscous, maxwell_slip, tanh};
-use super::rates::standing_rate;
 use crate::acting::stepped;
 use crate::model::Model;
 use crate::plant::Layout;
@@ -395,4 +394,17 @@ impl Mass {
     pub(super) fn zeta(&self, bristle: f64) -> f64 {
         if self.alpha0 > 0.0 { self.sigma0 * bristle / self.alpha0 } else { 0.0 }
     }
+}
+
+/// The fastest rate at standstill: of the current, of the chain's modes, and of damping.
+fn standing_rate(masses: &[Mass], springs: &[Spring], electric: f64) -> f64 {
+    masses.iter().enumerate().fold(electric, |fastest, (k, mass)| {
+        let around = [k.checked_sub(1), Some(k)].into_iter().flatten();
+        let (mut stiffness, mut damping) = (mass.sigma0, mass.sigma1 + mass.sigma2);
+        for spring in around.filter_map(|spring| springs.get(spring)) {
+            stiffness += 2.0 * spring.linear;
+            damping += 2.0 * spring.damping;
+        }
+        fastest.max((stiffness * mass.per_inertia).sqrt()).max(damping * mass.per_inertia)
+    })
 }

@@ -2,7 +2,7 @@
 
 use joint_core::effect::{Effects, Flow, MEMORIES};
 
-use super::equations::{Equations, Mass, Spring};
+use super::equations::{Equations, Mass};
 use super::friction::Family;
 
 impl Equations {
@@ -66,17 +66,4 @@ impl Family {
             Family::Tanh { .. } => 0.0,
         }
     }
-}
-
-/// The fastest rate at standstill: of the current, of the chain's modes, and of damping.
-pub(super) fn standing_rate(masses: &[Mass], springs: &[Spring], electric: f64) -> f64 {
-    masses.iter().enumerate().fold(electric, |fastest, (k, mass)| {
-        let around = [k.checked_sub(1), Some(k)].into_iter().flatten();
-        let (mut stiffness, mut damping) = (mass.sigma0, mass.sigma1 + mass.sigma2);
-        for spring in around.filter_map(|spring| springs.get(spring)) {
-            stiffness += 2.0 * spring.linear;
-            damping += 2.0 * spring.damping;
-        }
-        fastest.max((stiffness * mass.per_inertia).sqrt()).max(damping * mass.per_inertia)
-    })
 }

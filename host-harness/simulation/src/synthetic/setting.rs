@@ -1,11 +1,17 @@
 //! What a measured joint has that the narrow logs of [`super::record`] do not.
 
+use joint_core::joint::Drive;
 use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
 use super::noise::Colour;
 use super::sensing::{Reported, Stamps};
+use crate::model::Model;
 use crate::reference::friction::Family;
+use crate::reference::{Equations, Method, ReferenceError};
+
+/// How the reference integrates, where a thousandth will do.
+pub(super) const METHOD: Method = Method::Scaled { share: 0.6 };
 
 /// How one record of a joint is taken, and what its friction and sensors really are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,4 +56,10 @@ pub struct Sensing {
     pub stamps: Stamps,
     /// Ripple that the bus readings catch, over the bus voltage; `None` without a bus column.
     pub bus_ripple: Option<f64>,
+}
+
+/// The equations of a joint in a setting.
+pub(super) fn equations(model: &Model, setting: &Setting) -> Result<Equations, ReferenceError> {
+    let equations = Equations::new(model, Drive::Voltage, setting.stribeck_exponent)?;
+    Ok(equations.with_friction(setting.friction))
 }

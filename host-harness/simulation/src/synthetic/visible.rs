@@ -14,8 +14,7 @@ use std::ops::Range;
 
 use joint_core::effect::input_delay::delay_s;
 
-use super::setting::Setting;
-use super::wide::{METHOD, equations};
+use super::setting::{METHOD, Setting, equations};
 use crate::acting::pieces;
 use crate::encoders;
 use crate::layout::remembers;

@@ -8,23 +8,20 @@ use std::f64::consts::TAU;
 
 use joint_core::effect::Kind;
 use joint_core::effect::input_delay::delay_s;
-use joint_core::joint::Drive;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::motion::Driver;
 use super::sensing::{bus_reading, instants};
-use super::setting::Setting;
+use super::setting::{METHOD, Setting, equations};
 use super::visible::{self, Run};
 use super::{amplitude_v, breakaway_nm, normal, rounded};
 use crate::acting::pieces;
 use crate::encoders;
 use crate::log::Log;
 use crate::model::Model;
-use crate::reference::{Disturbance, Equations, Method, ReferenceError, Stepper};
+use crate::reference::{Disturbance, ReferenceError, Stepper};
 
-/// How the reference integrates, where a thousandth will do.
-pub(super) const METHOD: Method = Method::Scaled { share: 0.6 };
 /// The joint rests before its log begins, s: from and to.
 const REST_S: [f64; 2] = [0.05, 0.15];
 
@@ -138,12 +135,6 @@ fn disturbance(
         // Friction keeps its sign.
         friction_change: friction_change.into_iter().map(|change| change.max(-0.9)).collect(),
     }
-}
-
-/// The equations of a joint in a setting.
-pub(super) fn equations(model: &Model, setting: &Setting) -> Result<Equations, ReferenceError> {
-    let equations = Equations::new(model, Drive::Voltage, setting.stribeck_exponent)?;
-    Ok(equations.with_friction(setting.friction))
 }
 
 fn run(

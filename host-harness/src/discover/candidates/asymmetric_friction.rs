@@ -4,9 +4,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "friction that differs by direction",
@@ -15,6 +16,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "run at equal speeds in both directions at several output angles; read the current at \
          rest",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

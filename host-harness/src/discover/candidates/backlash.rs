@@ -3,9 +3,10 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 const WIDTHS: [f64; 7] = [0.1, 0.3, 0.7, 1.5, 3.0, 6.0, 12.0];
 
@@ -15,6 +16,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::OutputWindup,
     experiment: "repeat a small reversal with and without a constant load on the output",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

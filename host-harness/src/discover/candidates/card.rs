@@ -4,8 +4,9 @@ use joint_core::effect::EffectParameters;
 use joint_core::params::Location;
 use rand::{Rng, RngExt};
 
-use super::super::hypothesis::Hypothesis;
 use super::Scene;
+use super::hypothesis::Hypothesis;
+use super::rules::Rules;
 
 /// One kind of effect, as discovery, benchmark and report know it.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +21,8 @@ pub struct EffectCard {
     pub experiment: &'static str,
     /// The key of a parameter that it shares its size with: only the size over its square shows.
     pub reference: Option<&'static str>,
+    /// What checks ask of it alone.
+    pub rules: Rules,
     /// How the blind benchmark hides it.
     pub benchmark: Benchmark,
     /// Proposes hypotheses.

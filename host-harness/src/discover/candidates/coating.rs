@@ -3,9 +3,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Widths of the loop that are tried, as shares of the travel.
 const WIDTHS: [f64; 3] = [0.01, 0.05, 0.2];
@@ -18,6 +19,7 @@ pub(super) const CARD: EffectCard = EffectCard {
          further it is stretched, and gives way while it is held; gravity turns back beyond the \
          quarter",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

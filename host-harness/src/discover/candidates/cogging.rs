@@ -4,9 +4,11 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::{Line, Rules};
 use super::{Scene, gravity};
+use crate::model::Model;
 
 /// Orders that become hypotheses.
 const KEPT: usize = 3;
@@ -19,6 +21,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::MotorAngle,
     experiment: "scan slowly through a turn at two loads, in both directions",
     reference: None,
+    rules: Rules { line: Line { is_rotor_torque: true, ..Line::ANY }, ..Rules::NONE },
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };
@@ -36,8 +39,27 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
     Some(cogging)
 }
 
+/// What all lines are called.
+pub(crate) const NAME: (Kind, Location) = (Kind::Cogging, Location::Motor);
+
+/// Whether a model has lines already.
+pub(crate) fn stands_in(model: &Model) -> bool {
+    model.effects.iter().any(|effect| effect.kind == Kind::Cogging)
+}
+
+/// The orders of the lines that a model has, the strongest first.
+pub(crate) fn orders_in(model: &Model) -> Vec<f64> {
+    let effects = model.effects.iter();
+    let mut lines: Vec<[f64; 2]> = effects
+        .filter(|effect| effect.kind == Kind::Cogging)
+        .map(|effect| [effect.values[0], effect.values[1].abs()])
+        .collect();
+    lines.sort_by(|a, b| b[1].total_cmp(&a[1]));
+    lines.iter().map(|[order, _]| *order).collect()
+}
+
 /// Each of the strongest orders alone, for the list of orders.
-pub(in super::super) fn listed(scene: &Scene<'_>) -> Vec<Hypothesis> {
+pub(crate) fn listed(scene: &Scene<'_>) -> Vec<Hypothesis> {
     orders(scene, LISTED).into_iter().map(|order| hypothesis(scene, order, false)).collect()
 }
 
@@ -65,7 +87,7 @@ fn hypothesis(scene: &Scene<'_>, order: f64, double: bool) -> Hypothesis {
 }
 
 /// A line that is not there yet, with its double or without; it matters from `scale` on, in Nm.
-pub(in super::super) fn line(order: f64, scale: f64, double: bool) -> Hypothesis {
+pub(crate) fn line(order: f64, scale: f64, double: bool) -> Hypothesis {
     let phasor = |amplitude| Free::Phasor { amplitude, scale, sigma: 200.0 };
     let free = if double { vec![phasor(1), phasor(3)] } else { vec![phasor(1)] };
     Hypothesis {

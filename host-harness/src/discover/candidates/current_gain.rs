@@ -4,10 +4,13 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
+use crate::estimate::parameters::Quantity;
 use crate::estimate::record::Channel;
+use crate::model::Model;
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "a current sensor whose scale is wrong",
@@ -17,6 +20,7 @@ pub(super) const CARD: EffectCard = EffectCard {
          only a torque that is known without the current tells the sensor's gain from the torque \
          constant",
     reference: None,
+    rules: Rules { loss, ..Rules::NONE },
     benchmark: Benchmark::Left(
         "a symmetry of the model: only trust in the nominal tells it from other parameters",
     ),
@@ -33,4 +37,16 @@ fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         start: EffectParameters::new(Kind::CurrentGain, Location::CurrentSensor),
         free: vec![Free::Value { value: 0, scale: 0.02, sigma: 15.0 }],
     }]
+}
+
+/// A gain is a symmetry: the same currents are shown by a smaller winding and larger torques.
+fn loss(gain: &EffectParameters, model: &mut Model) {
+    let shift = (1.0 + gain.values[0]).ln();
+    for quantity in Quantity::of(model, Drive::Voltage) {
+        match quantity {
+            Quantity::Resistance | Quantity::Inductance => quantity.shift(model, -shift),
+            Quantity::TorqueConstant | Quantity::StribeckVelocity(_) | Quantity::GravityPhase => {}
+            _ => quantity.shift(model, shift),
+        }
+    }
 }

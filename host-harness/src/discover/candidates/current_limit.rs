@@ -5,9 +5,10 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Limits that are tried, in currents that hardly any sample exceeds.
 const LIMITS: [f64; 3] = [1.1, 1.6, 3.0];
@@ -21,6 +22,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "hold the rotor and raise the voltage step by step: the current stops following it at \
          the limit, in both directions and at any temperature",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Wide(hidden),
     propose,
 };

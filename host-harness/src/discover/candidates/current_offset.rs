@@ -4,9 +4,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "a current sensor whose zero is off",
@@ -14,6 +15,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::Time,
     experiment: "read the current sensor with the bridge off",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

@@ -5,9 +5,10 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 use crate::estimate::record::Channel;
 
 pub(super) const CARD: EffectCard = EffectCard {
@@ -16,6 +17,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::Current,
     experiment: "hold the rotor and step the voltage through a staircase around zero",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

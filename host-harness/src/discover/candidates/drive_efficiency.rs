@@ -4,9 +4,10 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "gear loss that differs between driving the load and being driven by it",
@@ -15,6 +16,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "lift and lower a known weight at the same slow speed and log the current: the two \
          differences from the weight's own torque are the two losses",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Wide(hidden),
     propose,
 };

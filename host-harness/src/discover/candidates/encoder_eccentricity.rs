@@ -3,13 +3,14 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::{Line, Rules};
 use crate::estimate::record::Channel;
 
 /// A disc off its centre, and a tilted one.
-pub(in super::super) const ORDERS: [f64; 2] = [1.0, 2.0];
+const ORDERS: [f64; 2] = [1.0, 2.0];
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "an encoder's disc that is off its centre or tilted",
@@ -19,6 +20,7 @@ pub(super) const CARD: EffectCard = EffectCard {
          angle, and the torque that it feigns grows with the square of the speed; a real torque \
          does not",
     reference: None,
+    rules: Rules { line: Line { orders: &ORDERS, ..Line::ANY }, ..Rules::NONE },
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

@@ -3,9 +3,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 use crate::model::Model;
 
 pub(super) const CARD: EffectCard = EffectCard {
@@ -14,6 +15,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::OutputAngle,
     experiment: "turn the mount by a quarter, or move slowly through a full output turn",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };
@@ -35,8 +37,11 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
     Some(gravity)
 }
 
+/// What it is called wherever it hangs.
+pub(crate) const KIND: Kind = Kind::Gravity;
+
 /// A pull that is not there yet; it matters from `scale` on, in Nm at its place.
-pub(in super::super) fn pull(place: Location, scale: f64) -> Hypothesis {
+pub(crate) fn pull(place: Location, scale: f64) -> Hypothesis {
     Hypothesis {
         start: EffectParameters::new(Kind::Gravity, place),
         free: vec![Free::Phasor { amplitude: 0, scale, sigma: 100.0 }],
@@ -44,7 +49,7 @@ pub(in super::super) fn pull(place: Location, scale: f64) -> Hypothesis {
 }
 
 /// Whether a line of order one of the rotor's angle is a pull of gravity that the model has not.
-pub(in super::super) fn own_line(model: &Model) -> bool {
+pub(crate) fn own_line(model: &Model) -> bool {
     let has = model.effects.iter().any(|effect| effect.kind == Kind::Gravity);
     model.stages.is_empty() && model.load.gravity_nm == 0.0 && !has
 }

@@ -3,9 +3,10 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Shares of the stiffness that a spring gains at the typical wind-up where its trials start.
 const SHARES: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
@@ -18,6 +19,7 @@ pub(super) const CARD: EffectCard = EffectCard {
          directions: a stiffness above zero at zero torque means no gap, one that grows with \
          torque means hardening",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };
@@ -46,12 +48,12 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::score_test::ScoreTest;
-    use super::super::super::trial;
     use joint_core::params::Location;
 
     use super::*;
     use crate::demo::actuator;
+    use crate::discover::proposals::score_test::ScoreTest;
+    use crate::discover::trial;
     use crate::estimate::fit::Problem;
     use crate::estimate::record::Record;
 
@@ -69,7 +71,7 @@ mod tests {
         let problem = Problem::new(&record, &mask).rough();
         let base = trial::fitted(&problem, &nominal, &[]);
         let test = ScoreTest::new(problem, &base.origin, &base.fit, 1).unwrap();
-        let proposed = propose(&Scene::new(&base.fit.model, &record, &test));
+        let proposed = propose(&test.scene());
         let gains = test.gains(&proposed);
         [true, false].map(|nothing| {
             let own = proposed

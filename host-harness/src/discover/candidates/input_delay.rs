@@ -5,10 +5,12 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
-use crate::estimate::record::Channel;
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
+use crate::estimate::record::{Channel, Record};
+use crate::model::Model;
 
 /// Delays tried, in samples.
 const SAMPLES: [f64; 6] = [0.3, 0.8, 1.5, 3.0, 6.0, 12.0];
@@ -20,6 +22,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "step the input while the joint is at rest and log it at the drive's own rate: what all \
          sensors show late at once is the input's, what one of them shows late is its own",
     reference: None,
+    rules: Rules { impossible: sees_the_future, ..Rules::NONE },
     benchmark: Benchmark::Wide(hidden),
     propose,
 };
@@ -30,13 +33,21 @@ fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
         return Vec::new();
     }
     let interval = scene.record.grid.typical_interval();
+    SAMPLES.map(|samples| late(samples, interval)).to_vec()
+}
+
+/// An input that acts late by so many intervals of a length in s.
+pub(crate) fn late(samples: f64, interval: f64) -> Hypothesis {
     let delay = EffectParameters::new(Kind::InputDelay, Location::Inverter);
-    SAMPLES
-        .map(|samples| Hypothesis {
-            start: delay.with("delay_s", samples * interval),
-            free: vec![Free::Value { value: 0, scale: 0.2 * interval, sigma: 300.0 }],
-        })
-        .to_vec()
+    Hypothesis {
+        start: delay.with("delay_s", samples * interval),
+        free: vec![Free::Value { value: 0, scale: 0.2 * interval, sigma: 300.0 }],
+    }
+}
+
+/// A drive that acts before it is asked.
+fn sees_the_future(effect: &EffectParameters, _: &Model, _: &Record) -> bool {
+    effect.values[0] < 0.0
 }
 
 fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {

@@ -3,9 +3,10 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "friction that grows with the torque passed on",
@@ -13,6 +14,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::Current,
     experiment: "drive and brake at constant speed against two loads, in both directions",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

@@ -4,9 +4,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Time constants that are tried, as shares of the record.
 const LAGS: [f64; 3] = [0.1, 0.35, 1.5];
@@ -18,6 +19,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "run at one constant speed until the current no longer falls, let the joint cool, and \
          repeat: a lubricant starts high again, drag with speed does not",
     reference: Some("reference_speed_rad_per_s"),
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

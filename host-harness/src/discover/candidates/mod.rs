@@ -6,21 +6,26 @@
 //! [`joint_core::for_every_effect`].
 
 mod card;
+pub(crate) mod channels;
+pub mod hidden;
+pub mod hypothesis;
+pub(crate) mod orders;
+pub mod rules;
 mod scene;
 
 pub use card::{Axis, Bench, Benchmark, EffectCard, Residual};
-pub(super) use cogging::listed;
+pub(crate) use cogging::listed;
 pub use scene::Scene;
 
 use joint_core::effect::Kind;
 use rayon::prelude::*;
 
-use super::hypothesis::Hypothesis;
+use self::hypothesis::Hypothesis;
 
 /// Declares the module of every effect, and the table of their cards.
 macro_rules! cards {
     ($($module:ident :: $name:ident,)+) => {
-        $(pub(super) mod $module;)+
+        $(pub(crate) mod $module;)+
 
         /// Every card, in the order of [`Kind::ALL`].
         static CARDS: &[(Kind, EffectCard)] = &[$((Kind::$name, $module::CARD),)+];
@@ -45,10 +50,10 @@ mod tests {
     use joint_core::effect::EffectParameters;
     use joint_core::params::Location;
 
-    use super::super::score_test::ScoreTest;
-    use super::super::trial;
     use super::*;
     use crate::demo::actuator;
+    use crate::discover::proposals::score_test::ScoreTest;
+    use crate::discover::trial;
     use crate::estimate::fit::Problem;
     use crate::estimate::record::Record;
 
@@ -63,7 +68,7 @@ mod tests {
         let problem = Problem::new(&record, &mask).rough();
         let base = trial::fitted(&problem, &nominal, &[]);
         let test = ScoreTest::new(problem, &base.origin, &base.fit, 1).unwrap();
-        let scene = Scene::new(&base.fit.model, &record, &test);
+        let scene = test.scene();
         for &kind in Kind::ALL {
             let (name, proposed) = (kind.spec().kind, (card(kind).propose)(&scene));
             assert_eq!(CARDS[kind as usize].0, kind, "{name}: its card stands in another's place");

@@ -4,9 +4,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 use crate::estimate::adjoint::Pull;
 
 /// Orders that become hypotheses at each mass.
@@ -21,6 +22,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "pass every angle slowly in both directions: friction changes its sign with the \
          direction, gravity and cogging do not",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

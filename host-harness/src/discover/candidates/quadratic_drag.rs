@@ -4,9 +4,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "drag that grows with the square of the speed",
@@ -16,6 +17,7 @@ pub(super) const CARD: EffectCard = EffectCard {
          order, so that warming does not follow the speed; drag bends the line of current over \
          speed",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

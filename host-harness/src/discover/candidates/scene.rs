@@ -6,8 +6,7 @@ use joint_core::joint::Drive;
 use joint_core::params::{Friction, Location};
 use joint_core::per_unit::Bases;
 
-use super::super::lines::{Family, span};
-use super::super::score_test::ScoreTest;
+use super::orders::{Family, span};
 use crate::estimate::adjoint::Pull;
 use crate::estimate::record::{Channel, Record};
 use crate::model::Model;
@@ -24,9 +23,15 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// Of a refitted model on a record.
-    pub fn new(model: &'a Model, record: &'a Record, test: &'a ScoreTest<'_>) -> Self {
-        Self { model, record, pulls: test.pulls(), states: test.states() }
+    /// Of a refitted model on a record: what the record's innovations pull at, then those of each replicate, and the
+    /// model's states along it.
+    pub fn new(
+        model: &'a Model,
+        record: &'a Record,
+        pulls: &'a [Pull],
+        states: &'a [Vec<f64>],
+    ) -> Self {
+        Self { model, record, pulls, states }
     }
 
     /// A series over the samples from the state there.

@@ -4,10 +4,12 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
-use crate::estimate::record::Channel;
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
+use crate::estimate::record::{Channel, Record};
+use crate::model::Model;
 
 /// Delays tried, in samples.
 const SAMPLES: [f64; 6] = [0.0, 2.0, 4.0, 8.0, 16.0, -2.0];
@@ -19,6 +21,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "drive a chirp up to a tenth of the sample rate: the phase of a delay grows in proportion \
          to the frequency, that of inductance and damping levels off",
     reference: None,
+    rules: Rules { impossible: sees_the_future, ..Rules::NONE },
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };
@@ -47,4 +50,14 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
         EffectParameters::new(Kind::SensorDelay, Location::Encoder)
             .with("delay_s", samples * joint.sample_time_s),
     )
+}
+
+/// A joint with one encoder that sees the future. Behind gears two may stand, of which only the difference is known.
+fn sees_the_future(effect: &EffectParameters, model: &Model, _: &Record) -> bool {
+    model.stages.is_empty() && effect.values[0] < 0.0
+}
+
+/// How many encoders are late by these names.
+pub(crate) fn late_encoders(names: impl Iterator<Item = (Kind, Location)>) -> usize {
+    names.filter(|(kind, _)| *kind == Kind::SensorDelay).count()
 }

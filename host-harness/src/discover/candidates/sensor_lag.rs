@@ -5,9 +5,10 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 use crate::estimate::record::Channel;
 
 /// Time constants tried, in samples; of an encoder, whose filter a drive could not live with, the first ones.
@@ -21,6 +22,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "drive a chirp past one over the time constant: what the filter shows falls off in size as \
          well as in phase, where a delay leaves the size alone",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Wide(hidden),
     propose,
 };

@@ -3,9 +3,10 @@
 
 use joint_core::effect::{EffectParameters, Kind};
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Widths tried, in typical wind-ups.
 const WIDTHS: [f64; 4] = [0.1, 0.4, 1.5, 5.0];
@@ -18,6 +19,7 @@ pub(super) const CARD: EffectCard = EffectCard {
          this loop's area grows with the amplitude and keeps at every frequency, that of viscous \
          damping grows with it",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

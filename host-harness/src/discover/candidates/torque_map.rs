@@ -2,6 +2,7 @@
 //! which would find it wherever it looks; a map is fitted to a disturbance when every name has been asked.
 
 use super::card::{Axis, Benchmark, EffectCard, Residual};
+use super::rules::Rules;
 
 pub(super) const CARD: EffectCard = EffectCard {
     words: "a torque without a name, told as a table",
@@ -10,6 +11,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "repeat the motion at half the speed and with another load: what stays where it was follows \
          the angle, what moves or grows has a cause that the table does not say",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Left(
         "a table has no name that could be right, and stands in for any that is",
     ),

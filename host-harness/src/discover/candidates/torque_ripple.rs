@@ -5,9 +5,10 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Orders that become hypotheses.
 const KEPT: usize = 2;
@@ -19,6 +20,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "scan slowly through a turn at several loads, then let the joint coast: ripple grows with \
          the current and is gone without it, cogging stays",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

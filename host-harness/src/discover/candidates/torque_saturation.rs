@@ -4,9 +4,14 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::channels::largest_current;
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
+use crate::discover::bounds::RISING;
+use crate::estimate::record::Record;
+use crate::model::Model;
 
 /// Knees that are tried, in largest currents.
 const KNEES: [f64; 2] = [2.5, 7.0];
@@ -18,6 +23,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "drive and brake up to the highest current in both directions: what saturation takes \
          follows the sign of the current, what friction takes that of the speed",
     reference: None,
+    rules: Rules { impossible: falls, ..Rules::NONE },
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };
@@ -40,4 +46,9 @@ fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
 fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
     let knee = 2.5 * joint.current_a() / joint.size;
     Some(EffectParameters::new(Kind::TorqueSaturation, Location::Motor).with("current_a", knee))
+}
+
+/// A torque that falls over half the range of a record's current.
+fn falls(effect: &EffectParameters, _: &Model, record: &Record) -> bool {
+    effect.values[0] < RISING * largest_current(record)
 }

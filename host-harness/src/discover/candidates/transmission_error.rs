@@ -6,9 +6,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::{Line, Rules};
 use crate::estimate::adjoint::Pull;
 
 /// Orders that become hypotheses at each stage.
@@ -26,6 +27,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "turn slowly through full turns without a load, with an encoder behind the last stage: \
          its error repeats with the turn of the stage's input, cogging with the rotor's",
     reference: None,
+    rules: Rules { line: Line { is_of_input: true, ..Line::ANY }, ..Rules::NONE },
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

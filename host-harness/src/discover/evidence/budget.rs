@@ -4,18 +4,17 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::super::gate::believable;
-use super::super::whereabouts::{coordinates, of_push, pushed, title};
 use super::blocks::{Blocks, Share};
+use super::disturbance::{coordinates, disturbance_of, run_beside, title};
 use super::generic::{Predicted, predicted};
 use super::shares::{Disturbances, divided};
 use super::unseen::Unseen;
+use crate::discover::bounds::{DRIVE_RATIO, TORQUE_RATIO};
 use crate::estimate::filter::{Equation, Noise, Walk};
 use crate::estimate::fit::{Fit, Problem};
-use crate::estimate::free_run;
-use crate::estimate::noise;
 use crate::estimate::record::{Channel, Record};
 use crate::estimate::replicate::replicate;
+use crate::estimate::{free_run, noise};
 use crate::model::Model;
 use crate::plant::{BuildError, Layout};
 use joint_core::joint::Drive;
@@ -72,14 +71,30 @@ pub struct FreeRun {
 
 /// What the evidence says.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct Weighed {
+pub(crate) struct Weighed {
     /// The budget; `None` where no equation could be looked at.
-    pub(in super::super) budget: Option<Budget>,
+    pub(crate) budget: Option<Budget>,
     /// Share of every effect.
-    pub(in super::super) shares: Vec<Share>,
+    pub(crate) shares: Vec<Share>,
     /// RMS of all that is left beside white noise over the most that is believed of friction and supply; zero where
     /// nothing could be looked at.
-    pub(in super::super) over_believable: f64,
+    pub(crate) over_believable: f64,
+}
+
+/// Most that an equation is believed to be disturbed by, RMS in its unit; without a bound of what a sensor shows.
+fn believable(equation: Equation, expected: &Noise) -> f64 {
+    match equation {
+        Equation::Voltage => DRIVE_RATIO * expected.drive,
+        Equation::Torque(_) => TORQUE_RATIO * expected.torque,
+        Equation::Sensor(_) => f64::INFINITY,
+    }
+}
+
+impl Weighed {
+    /// Whether more is left than friction and supply may be disturbed by: it has a cause that is not known.
+    pub(crate) fn is_unbelievable(&self) -> bool {
+        self.over_believable > 1.0
+    }
 }
 
 /// Weighs what was found. `tested` are the samples that no fit has seen; `noise` designs the filter;
@@ -87,7 +102,7 @@ pub(in super::super) struct Weighed {
 ///
 /// # Errors
 /// A model cannot be built.
-pub(in super::super) fn weigh(
+pub(crate) fn weigh(
     problem: &Problem<'_>,
     [before, after]: [&Fit; 2],
     walk: Walk,
@@ -96,10 +111,10 @@ pub(in super::super) fn weigh(
     effects: &[Unseen],
 ) -> Result<Weighed, BuildError> {
     let record = problem.record;
-    let run = |fit: &Fit| pushed(problem, &fit.model, noise, walk);
+    let run = |fit: &Fit| run_beside(problem, &fit.model, noise, walk);
     let (old, new) = rayon::join(|| run(before), || run(after));
     let (old, new) = (old?, new?);
-    let [missed, left] = [&old, &new].map(|run| disturbance(of_push(run), walk));
+    let [missed, left] = [&old, &new].map(|run| disturbance(disturbance_of(run), walk));
     if !missed.iter().chain(&left).all(|value| value.is_finite()) {
         let shares = vec![Share::default(); effects.len()];
         return Ok(Weighed { shares, ..Weighed::default() });
@@ -216,8 +231,8 @@ fn white(
     for seed in SEED..SEED + REPLICATES {
         let replicate = replicate(&after.model, problem.record, &own, seed)?;
         let problem = Problem { record: &replicate, scout: None, ..*problem };
-        let run = pushed(&problem, &after.model, noise, walk)?;
-        let series = disturbance(of_push(&run), walk);
+        let run = run_beside(&problem, &after.model, noise, walk)?;
+        let series = disturbance(disturbance_of(&run), walk);
         let squares: f64 = blocks.squares(&series).iter().sum();
         // A replicate that has diverged says nothing.
         sum += if squares.is_finite() { squares } else { 0.0 };
@@ -258,7 +273,7 @@ impl FreeRun {
     ///
     /// # Errors
     /// A model cannot be built.
-    pub(in super::super) fn of(
+    pub(crate) fn of(
         record: &Record,
         [before, after]: [&Fit; 2],
         noise: &Noise,
@@ -283,7 +298,7 @@ impl FreeRun {
     }
 
     /// Error after over that before, the geometric mean of the signals.
-    pub(in super::super) fn factor(&self) -> f64 {
+    pub(crate) fn factor(&self) -> f64 {
         let logs = self.signals.values().map(|[before, after]| (after / before).ln());
         (logs.sum::<f64>() / self.signals.len().max(1) as f64).exp()
     }
@@ -291,8 +306,8 @@ impl FreeRun {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::trial;
     use super::*;
+    use crate::discover::trial;
     use crate::log::Log;
 
     #[test]

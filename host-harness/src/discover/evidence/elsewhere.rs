@@ -1,10 +1,10 @@
-//! Whether another record of the joint bears an effect out, given all the others.
+//! Whether another record of the joint confirms an effect, given all the others.
 //!
 //! Nothing is fitted to it but the level of friction and the noise, which are other ones every day. So a name that stands in
 //! for what one motion made, or one day, is told from one that is the joint's.
 
 use super::unseen::unseen;
-use crate::discover::answer::DiscoverError;
+use crate::discover::error::DiscoverError;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::noise;
@@ -15,7 +15,7 @@ use crate::transfer::levelled;
 
 /// Another record.
 #[derive(Clone, Debug)]
-pub(in super::super) struct Elsewhere {
+pub(crate) struct Elsewhere {
     log: Log,
     record: Record,
     every: Vec<f64>,
@@ -26,7 +26,7 @@ impl Elsewhere {
     ///
     /// # Errors
     /// The log drives the joint by something else.
-    pub(in super::super) fn new(
+    pub(crate) fn new(
         log: &Log,
         like: &Record,
         (most, micro_steps): (usize, u32),
@@ -46,7 +46,7 @@ impl Elsewhere {
     ///
     /// # Errors
     /// A model cannot be built.
-    pub(in super::super) fn asked(
+    pub(crate) fn asked(
         &self,
         [without, with]: [&Fit; 2],
         expected: &Noise,
@@ -63,14 +63,14 @@ impl Elsewhere {
 }
 
 /// The t of several independent ones together (Stouffer and others 1949).
-pub(in super::super) fn together(all: impl Iterator<Item = f64> + Clone) -> f64 {
+pub(crate) fn together(all: impl Iterator<Item = f64> + Clone) -> f64 {
     all.clone().sum::<f64>() / (all.count().max(1) as f64).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::trial;
     use super::*;
+    use crate::discover::trial;
     use crate::estimate::fit::Problem;
     use crate::model::Model;
     use crate::synthetic::{Experiment, record};

@@ -3,13 +3,11 @@
 //! A joint that stands still fits every model of it. That is no adequate model but a log without an
 //! answer, and the reader should hear what it lacks.
 
+use crate::discover::bounds::COUNTS;
 use crate::estimate::record::{Channel, Record};
 
-/// Counts of an encoder that a joint has to move by to show more than its rounding.
-const COUNTS: f64 = 6.0;
-
 /// What a record lacks to tell anything, a sentence each; nothing where it can.
-pub(in super::super) fn cannot_tell(record: &Record) -> Vec<String> {
+pub(crate) fn cannot_tell(record: &Record) -> Vec<String> {
     let angles: Vec<f64> = record
         .measured
         .iter()

@@ -7,14 +7,14 @@
 //! law that nobody has named; what it does not predict is no law of these coordinates. A law is correlated in time as
 //! the motion is, so it is what a curve leaves that says how long a block must be.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::blocks::{Blocks, Share, correlation_time, ratio};
+use super::family::{Equations, Family};
 use super::hats::Grid;
 use super::linear::Linear;
+use crate::discover::bounds::BY_CHANCE;
 
 /// Knots over a coordinate, coarse to fine: a line, a trend, a course, a curve, a line spectrum, one of high orders.
 const KNOTS: [usize; 6] = [2, 4, 12, 48, 192, 768];
@@ -25,8 +25,6 @@ const PER_KNOT: usize = 16;
 const APART: f64 = 3.0;
 /// What a linear combination of all coordinates is called.
 const STATES: &str = "linear combination of the states";
-/// Probability that any of the families looks like a law where there is none.
-const BY_CHANCE: f64 = 0.05;
 
 /// What follows a coordinate and has no name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,26 +92,6 @@ pub(super) fn predicted(
     });
     // A curve says more than a combination of everything does.
     linear.into_iter().chain(curve).max_by(|a, b| a.share.value.total_cmp(&b.share.value))
-}
-
-/// A set of functions of the coordinates, of which a sum is fitted.
-pub(super) trait Family {
-    /// Its normal equations.
-    type Equations: Equations;
-    /// Those of no sample.
-    fn none(&self) -> Self::Equations;
-    /// Adds samples of a series to them.
-    fn add(&self, to: &mut Self::Equations, series: &[f64], samples: Range<usize>);
-    /// The sum with these coefficients at a sample; zero where it has no place.
-    fn value(&self, coefficients: &[f64], sample: usize) -> f64;
-}
-
-/// Normal equations of a least-squares fit.
-pub(super) trait Equations: Clone {
-    /// The sum with `sign` times another's.
-    fn plus(&mut self, other: &Self, sign: f64);
-    /// Coefficients with `ridge`, which is above zero, added to the diagonal.
-    fn solved(&self, ridge: f64) -> Vec<f64>;
 }
 
 /// What families are asked.

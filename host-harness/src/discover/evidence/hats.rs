@@ -3,7 +3,7 @@
 //! A sum of hat functions on an even grid can follow any smooth curve of a coordinate; its normal
 //! equations are tridiagonal, so that leaving out every block in turn costs next to nothing.
 
-use super::generic::{Equations, Family};
+use super::family::{Equations, Family};
 
 /// Where samples stand on a grid of knots: the knot before each, and what it and the one after count.
 #[derive(Clone, Debug)]

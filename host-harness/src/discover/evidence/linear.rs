@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::generic::{Equations, Family};
+use super::family::{Equations, Family};
 
 /// The coordinates of every sample about their mean and by their RMS, and a constant.
 #[derive(Clone, Debug)]

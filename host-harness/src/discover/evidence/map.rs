@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal as Gaussian};
 
 use super::blocks::{Blocks, Share, correlation_time, ratio};
+use crate::discover::bounds::BY_CHANCE;
 
 /// Knots of a curve, coarse to fine.
 const KNOTS: [usize; 4] = [8, 16, 32, MAX_KNOTS];
@@ -26,8 +27,6 @@ const SMOOTHING: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
 const TURNS: f64 = 1.5;
 /// Speed within which one direction passes into the other, of the speed's RMS.
 const BLEND: f64 = 0.1;
-/// Probability that any of the maps looks like one where there is none.
-const BY_CHANCE: f64 = 0.05;
 
 /// A disturbance along a record, at the map's own side, by sample; what is no number is left out.
 #[derive(Clone, Copy, Debug)]

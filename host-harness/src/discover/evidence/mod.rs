@@ -6,24 +6,21 @@
 //! what a generic family of functions still predicts, what is correlated in time but follows nothing,
 //! and what the sensors and white noise alone leave.
 
-mod blocks;
-mod budget;
-mod elsewhere;
-mod excitation;
+pub(crate) mod blocks;
+pub(crate) mod budget;
+pub(crate) mod disturbance;
+pub(crate) mod elsewhere;
+pub(crate) mod excitation;
+mod family;
 mod generic;
 mod hats;
 mod linear;
 mod map;
-mod rest;
+pub(crate) mod rest;
 mod shares;
-mod unseen;
+pub(crate) mod unseen;
 
 pub use blocks::{Blocks, Share};
 pub use budget::{Budget, FreeRun};
-pub(super) use budget::{Weighed, weigh};
-pub(super) use elsewhere::{Elsewhere, together};
-pub(super) use excitation::cannot_tell;
 pub use generic::Predicted;
-pub(super) use rest::mapped;
 pub use unseen::Unseen;
-pub(super) use unseen::unseen;

@@ -6,21 +6,18 @@
 //! nearer. Of several maps the one does whose free run comes nearest: a disturbance that is estimated near
 //! standstill follows the friction's state, and as a torque over the speed it would push a joint that rests.
 
-use std::collections::BTreeMap;
-
 use joint_core::effect::EffectParameters;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
-use super::super::confidence::SIGMAS;
-use super::super::findings::{Named, knots_of};
-use super::super::search::Stage;
-use super::super::whereabouts::{of_push, pushed};
 use super::blocks::{Blocks, Share};
 use super::budget::FreeRun;
+use super::disturbance::{disturbance_of, run_beside};
 use super::map::{Unexplained, fitted_maps};
 use super::shares::Disturbances;
 use super::unseen::{Unseen, unseen};
+use crate::discover::bounds::SIGMAS;
+use crate::discover::state::stage::Stage;
 use crate::estimate::coordinates::Coordinate;
 use crate::estimate::filter::{Equation, Noise, Run, Walk};
 use crate::estimate::fit::Problem;
@@ -32,38 +29,13 @@ use crate::plant::{BuildError, Layout};
 const WIDE: f64 = 10.0;
 /// A map of what is left beside the effects.
 #[derive(Clone, Debug)]
-pub(in super::super) struct Rest {
+pub(crate) struct Rest {
     /// The model with it as its last effect, refitted.
-    pub(in super::super) stage: Stage,
+    pub(crate) stage: Stage,
     /// What samples that no fit has seen say of it.
-    pub(in super::super) unseen: Unseen,
+    pub(crate) unseen: Unseen,
     /// Share that it takes of what the model without it misses there.
-    pub(in super::super) share: Share,
-}
-
-impl Rest {
-    /// The map as it is told: it says what is there, and has no name to be sure of. `of` is the share of what the
-    /// refitted nominal misses that the named effects leave.
-    pub(in super::super) fn told(&self, of: f64) -> Option<Named> {
-        let map = self.stage.fit.model.effects.last()?;
-        let values = map.kind.spec().parameters.iter().zip(map.values);
-        Some(Named {
-            kind: map.kind.spec().kind.to_owned(),
-            location: map.location.to_string(),
-            unnamed: true,
-            parameters: values.map(|(spec, value)| (spec.key.to_owned(), value)).collect(),
-            knots: knots_of(map),
-            standard_errors: BTreeMap::new(),
-            confidence: 0.0,
-            share: of * self.share.value,
-            share_error: of * self.share.error,
-            unseen_t: self.unseen.t,
-            transfer_t: None,
-            gain: self.unseen.series.iter().sum(),
-            stays_ahead: 0.0,
-            rivals: Vec::new(),
-        })
-    }
+    pub(crate) share: Share,
 }
 
 /// A model with a torque map of what it misses in an equation of torque; `None` where no map holds on the
@@ -71,7 +43,7 @@ impl Rest {
 ///
 /// # Errors
 /// The model without it cannot be built.
-pub(in super::super) fn mapped(
+pub(crate) fn mapped(
     problem: &Problem<'_>,
     named: &Stage,
     walk: Walk,
@@ -80,9 +52,9 @@ pub(in super::super) fn mapped(
 ) -> Result<Option<Rest>, BuildError> {
     let Stage { fit, origin } = named;
     let Equation::Torque(mass) = walk.equation else { return Ok(None) };
-    let run = pushed(problem, &fit.model, noise, walk)?;
+    let run = run_beside(problem, &fit.model, noise, walk)?;
     let maps = Side::of(mass, &fit.model).map_or(Vec::new(), |side| side.maps(&run, tested));
-    let missed = of_push(&run);
+    let missed = disturbance_of(&run);
     let blocks = Blocks::of_series(tested, &missed);
     let before = blocks.squares(&missed);
     let tried = maps.into_par_iter().map(|map| {
@@ -95,7 +67,7 @@ pub(in super::super) fn mapped(
         moved.push(Coordinate::Effect { effect, value: 0, scale: 1.0, sigma: WIDE });
         let mut fit = polish(problem, &origin, &start, &moved, expected, &fit.noise)?;
         let unseen = unseen(problem, &named.fit, &fit, tested)?;
-        let left = of_push(&pushed(problem, &fit.model, noise, walk)?);
+        let left = disturbance_of(&run_beside(problem, &fit.model, noise, walk)?);
         let gone = Disturbances { before: before.clone(), after: blocks.squares(&left) };
         let share = gone.named();
         let free_run = FreeRun::of(problem.record, [&named.fit, &fit], noise, tested)?.factor();
@@ -151,7 +123,7 @@ impl Side {
         };
         let told =
             |(torque, tested): (f64, &bool)| if *tested { f64::NAN } else { torque * reduction };
-        let torque: Vec<f64> = of_push(run).into_iter().zip(tested).map(told).collect();
+        let torque: Vec<f64> = disturbance_of(run).into_iter().zip(tested).map(told).collect();
         let angle: Vec<f64> = run.states.iter().map(angle).collect();
         let speed: Vec<f64> =
             run.states.iter().map(|x| x[layout.speed(mass)] / reduction).collect();
@@ -164,8 +136,8 @@ impl Side {
 mod tests {
     use joint_core::effect::Kind;
 
-    use super::super::super::trial;
     use super::*;
+    use crate::discover::trial;
     use crate::estimate::noise;
     use crate::estimate::record::Record;
     use crate::synthetic::{Experiment, record};

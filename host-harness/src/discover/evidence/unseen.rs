@@ -1,4 +1,4 @@
-//! Whether samples that no fit has seen bear an effect out, given all the others.
+//! Whether samples that no fit has seen confirm an effect, given all the others.
 //!
 //! A likelihood on the samples that were fitted to rises with every parameter. On samples that no fit has
 //! seen it rises only by what is there. Blocks are the witnesses: what is owed to one moment has a large
@@ -6,6 +6,7 @@
 //! Dawid, J. R. Stat. Soc. A 147, 1984).
 
 use super::blocks::Blocks;
+use crate::discover::bounds::MOST_INNOVATION;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::CHANNELS;
@@ -28,7 +29,7 @@ pub struct Unseen {
 ///
 /// # Errors
 /// A model cannot be built.
-pub(in super::super) fn unseen(
+pub(crate) fn unseen(
     problem: &Problem<'_>,
     without: &Fit,
     with: &Fit,
@@ -57,12 +58,12 @@ pub(in super::super) fn unseen(
     Ok(Unseen { t: told(&series), nearer: told(&less(&far, &near)), series })
 }
 
-/// Most that an innovation counts for, in sigmas: the few moments at which a joint sticks or slips otherwise
-/// are not to outweigh all others.
-const MOST: f64 = 10.0;
-
 fn bounded(error: &f64) -> f64 {
-    if error.is_finite() { error.abs().min(MOST).powi(2) } else { MOST * MOST }
+    if error.is_finite() {
+        error.abs().min(MOST_INNOVATION).powi(2)
+    } else {
+        MOST_INNOVATION * MOST_INNOVATION
+    }
 }
 
 /// The t of a series' sum over blocks.
@@ -80,9 +81,9 @@ fn witnessed(blocks: &Blocks, gains: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::candidates::cogging;
-    use super::super::super::trial;
     use super::*;
+    use crate::discover::candidates::cogging;
+    use crate::discover::trial;
     use crate::estimate::record::Record;
 
     /// What unseen samples say of a line of order 12 where the log holds one times `hidden`.

@@ -13,18 +13,9 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::{Friction, Location};
 
-use super::masses::{frictions, name};
+use super::masses::{at, frictions, name};
 use crate::export::DriveOptions;
 use crate::model::Model;
-
-/// The effects of a kind at a place.
-pub(super) fn at(
-    model: &Model,
-    kind: Kind,
-    place: Location,
-) -> impl Iterator<Item = &EffectParameters> {
-    model.effects.iter().filter(move |own| own.kind == kind && own.location == place)
-}
 
 /// Whether an effect is expressed.
 pub(super) fn is_expressed(effect: &EffectParameters, drive: Drive) -> bool {

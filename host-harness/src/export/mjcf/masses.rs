@@ -1,10 +1,9 @@
 //! Masses on hinges, with what acts on each by itself: viscous friction and drag, gravity, a coating's spring.
 
-use joint_core::effect::Kind;
+use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::{Friction, Location};
 
 use super::GRAVITY;
-use super::elements::at;
 use crate::model::Model;
 use crate::plant::inertias;
 
@@ -19,6 +18,15 @@ pub(in crate::export) struct Mass {
     pub(in crate::export) damping: [f64; 2],
     /// Coefficients of the angle and of its cube.
     pub(in crate::export) stiffness: [f64; 2],
+}
+
+/// The effects of a kind at a place.
+pub(super) fn at(
+    model: &Model,
+    kind: Kind,
+    place: Location,
+) -> impl Iterator<Item = &EffectParameters> {
+    model.effects.iter().filter(move |own| own.kind == kind && own.location == place)
 }
 
 /// A mass's name; mass 0 is the rotor.

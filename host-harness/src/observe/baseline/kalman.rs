@@ -3,8 +3,9 @@
 use joint_core::per_unit::Bases;
 use nalgebra::{DMatrix, DVector};
 
-use super::super::design::{breakaway_nm, sensors};
+use super::super::noise::sensors;
 use super::super::rating::Rating;
+use super::super::rating::breakaway_nm;
 use super::super::run::Seen;
 use super::super::score::Guess;
 use super::common::{laws, stiffness, torque, wound};

@@ -4,9 +4,10 @@
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
-use super::super::hypothesis::{Free, Hypothesis};
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
+use super::hypothesis::{Free, Hypothesis};
+use super::rules::Rules;
 
 /// Critical speeds that are tried, as shares of the largest.
 const SHARES: [f64; 3] = [0.1, 0.3, 0.8];
@@ -18,6 +19,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     experiment: "hold constant speeds from standstill to the highest: the current has a hump at the \
          critical speed, where friction is a dip or a line",
     reference: None,
+    rules: Rules::NONE,
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };

@@ -1,0 +1,105 @@
+//! The effects that were found as the verdict tells them: sizes with their errors, confidence, rivals, and what
+//! unseen samples say.
+
+use std::collections::BTreeMap;
+
+use joint_core::effect::EffectParameters;
+use nalgebra::DMatrix;
+
+use super::confidence::{Left, confidence};
+use super::findings::{Named, knots_of};
+
+use crate::discover::checks::confirmed::Witnessed;
+use crate::discover::evidence::budget::{Budget, Weighed};
+use crate::discover::state::search::Search;
+use crate::estimate::coordinates::Coordinate;
+use crate::estimate::fit::Fit;
+
+/// Every effect that was found, in order. `standing` effects are the given model's own; the rest is `clean` where
+/// it is noise.
+pub(crate) fn named(
+    found: &Search,
+    standing: usize,
+    clean: bool,
+    (weighed, unseen): (&Weighed, &[Witnessed]),
+    covariance: &DMatrix<f64>,
+) -> Vec<Named> {
+    let fit = &found.after.fit;
+    let first = found.scores.iter().filter(|row| row.round == 1);
+    let tried = first.count();
+    // What is more than a disturbance may be has a cause of its own, whether it is predicted or not.
+    let cause = |budget: &Budget| {
+        budget.unnamed + if weighed.is_unbelievable() { budget.coloured } else { 0.0 }
+    };
+    let unnamed = weighed.budget.as_ref().map_or(f64::NAN, cause);
+    let effects = fit.model.effects.iter().enumerate().skip(standing);
+    let rounds = found.rounds.iter().zip(&weighed.shares).zip(unseen);
+    effects
+        .zip(rounds)
+        .map(|((number, effect), ((round, share), unseen))| {
+            let other = found.constant.filter(|constant| round.name.0 == constant.of);
+            let other = other.map(|constant| round.gain + constant.lead);
+            // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
+            let left = match clean && !fit.noise.is_disturbed() {
+                true => Left::Noise,
+                false => Left::more(unnamed, [share.value, share.error], unseen.t(), tried),
+            };
+            let (confidence, rivals) = confidence(round, left, other);
+            let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
+            Named {
+                kind: effect.kind.spec().kind.to_owned(),
+                location: effect.location.to_string(),
+                unnamed: effect.kind.is_unnamed(),
+                parameters,
+                knots: knots_of(effect),
+                standard_errors,
+                confidence,
+                share: share.value,
+                share_error: share.error,
+                unseen_t: unseen.unseen.t,
+                transfer_t: unseen.elsewhere,
+                gain: round.gain,
+                stays_ahead: round.stays_ahead,
+                rivals,
+            }
+        })
+        .collect()
+}
+
+/// An effect's values by key, and one sigma of those that were fitted.
+fn sizes(
+    fit: &Fit,
+    covariance: &DMatrix<f64>,
+    number: usize,
+    effect: &EffectParameters,
+) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
+    let specs = effect.kind.spec().parameters;
+    let key = |value: usize| specs.get(value).map_or("", |spec| spec.key).to_owned();
+    let parameters =
+        specs.iter().zip(effect.values).map(|(spec, value)| (spec.key.to_owned(), value)).collect();
+    let mut errors = BTreeMap::new();
+    for (k, coordinate) in fit.coordinates.iter().enumerate() {
+        match *coordinate {
+            Coordinate::Effect { effect: own, value, scale, .. } if own == number => {
+                errors.insert(key(value), covariance[(k, k)].sqrt() * scale);
+            }
+            Coordinate::Phasor { effect: own, amplitude, sine: false, scale, .. }
+                if own == number =>
+            {
+                let (size, phase) = (effect.values[amplitude], effect.values[amplitude + 1]);
+                let (cc, ss) = (covariance[(k, k)], covariance[(k + 1, k + 1)]);
+                let cs = covariance[(k, k + 1)];
+                let (cos, sin) = (phase.cos(), phase.sin());
+                let along = cc * cos * cos + ss * sin * sin + 2.0 * cs * cos * sin;
+                let across = cc * sin * sin + ss * cos * cos - 2.0 * cs * cos * sin;
+                errors.insert(key(amplitude), along.max(0.0).sqrt() * scale);
+                if size > 0.0 {
+                    let turn = across.max(0.0).sqrt() * scale / size;
+                    errors.insert(key(amplitude + 1), turn.min(std::f64::consts::PI));
+                }
+            }
+            _ => {}
+        }
+    }
+    (parameters, errors)
+}

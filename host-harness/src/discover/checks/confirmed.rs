@@ -1,0 +1,92 @@
+//! Whether samples that no fit has seen confirm every effect, given all the others.
+
+use rayon::prelude::*;
+
+use super::elimination::bare;
+use crate::discover::bounds::SIGMAS;
+use crate::discover::evidence::elsewhere::{Elsewhere, together};
+use crate::discover::evidence::unseen::{Unseen, unseen};
+use crate::discover::state::rounds::Contender;
+use crate::discover::state::search::Search;
+use crate::discover::state::stage::Stage;
+use crate::estimate::fit::Problem;
+use crate::plant::BuildError;
+
+/// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
+/// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
+/// a disturbance, which makes likelihoods of what imitates it, beyond their standard error; not so of an effect
+/// that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
+///
+/// # Errors
+/// A model cannot be built.
+pub(crate) fn keep_confirmed(
+    problem: &Problem<'_>,
+    found: &mut Search,
+    (tested, others): (&[bool], &[Elsewhere]),
+    noise: bool,
+) -> Result<Vec<Witnessed>, BuildError> {
+    loop {
+        let asked = asked(problem, found, tested, others)?;
+        let disturbed = found.after.fit.noise.is_disturbed();
+        let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
+        let short = |k: usize, own: &Witnessed| match certain(k) {
+            false if disturbed => (own.least() - SIGMAS).min(own.unseen.nearer),
+            false if !noise => own.least(),
+            _ => own.least() + SIGMAS,
+        };
+        let all = asked.iter().enumerate().map(|(k, (own, _))| (k, short(k, own)));
+        let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return Ok(asked.into_iter().map(|(own, _)| own).collect());
+        };
+        let without = asked.into_iter().nth(k).map(|(_, without)| without);
+        let round = found.rounds.remove(k);
+        let contender = Contender { name: round.name, gain: round.gain };
+        found.unconfirmed.push((contender, found.after.clone()));
+        found.after = without.unwrap_or_else(|| found.before.clone());
+    }
+}
+
+/// What samples that no fit has seen say of an effect.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Witnessed {
+    /// Those of the logs themselves.
+    pub(crate) unseen: Unseen,
+    /// The t of the other records together; `None` where there are none.
+    pub(crate) elsewhere: Option<f64>,
+}
+
+impl Witnessed {
+    /// The t of whoever speaks against it most.
+    fn least(&self) -> f64 {
+        self.elsewhere.map_or(self.unseen.t, |other| self.unseen.t.min(other))
+    }
+
+    /// The t of all together.
+    pub(crate) fn t(&self) -> f64 {
+        together(self.elsewhere.into_iter().chain([self.unseen.t]))
+    }
+}
+
+/// What unseen samples say of every effect, given the others, and the model without it.
+fn asked(
+    problem: &Problem<'_>,
+    found: &Search,
+    tested: &[bool],
+    others: &[Elsewhere],
+) -> Result<Vec<(Witnessed, Stage)>, BuildError> {
+    let rounds = found.rounds.len();
+    let one = |k: usize| {
+        let without = match rounds {
+            1 => found.before.clone(),
+            _ => bare(problem.rough(), found, k)?,
+        };
+        let unseen = unseen(problem, &without.fit, &found.after.fit, tested)?;
+        let others: Vec<f64> = others
+            .iter()
+            .map(|other| other.asked([&without.fit, &found.after.fit], &found.expected))
+            .collect::<Result<_, _>>()?;
+        let elsewhere = (!others.is_empty()).then(|| together(others.iter().copied()));
+        Ok((Witnessed { unseen, elsewhere }, without))
+    };
+    (0..rounds).into_par_iter().map(one).collect()
+}

@@ -1,0 +1,156 @@
+//! The search, where the current is the input and may be measured or commanded.
+//!
+//! An encoder that shows the past by more than half an interval hides from the nominal's refit that a
+//! measured current stands for the interval around its sample. The search then names a delay of every
+//! encoder, one for the truth and the others for half an interval. An input that acts late by about a quarter
+//! of an interval lies as far from the one as from the other: there the refit's score for an input that acts
+//! ahead of its stamp says that it was measured.
+
+use indicatif::ProgressBar;
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::joint::Drive;
+
+use crate::discover::bounds::WEAK;
+use crate::discover::candidates::input_delay::late;
+use crate::discover::candidates::sensor_delay::late_encoders;
+use crate::discover::proposals::score_test::ScoreTest;
+use crate::discover::search::search;
+use crate::discover::state::search::Search;
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::record::Record;
+use crate::estimate::refit::{cost, refit};
+use crate::estimate::scout::Scout;
+use crate::estimate::timing::{LEAST, asked};
+use crate::interrupt;
+use crate::model::Model;
+use crate::plant::BuildError;
+
+/// Searches a record by its `fitted` samples, and again with the current taken as measured where the
+/// first search names more than one delay; keeps the likelier answer, where a name that is weak beside
+/// the other search's answer does not count. Gives the record as that search took it.
+///
+/// # Errors
+/// The nominal cannot be built.
+pub(crate) fn search_timed(
+    record: Record,
+    fitted: &[f64],
+    nominal: &Model,
+    known: (&[Kind], &[EffectParameters]),
+    bar: &ProgressBar,
+) -> Result<(Record, Search), BuildError> {
+    bar.set_message("fitting the parameters of the given model");
+    let refitted = |record: &Record| {
+        let scout = Scout::of(record, fitted, nominal);
+        refit(&Problem::new(record, fitted).scouted(scout.as_ref()), nominal)
+    };
+    let (mut record, mut fit) = asked(nominal, record, fitted, refitted)?;
+    if record.drive == Drive::Current
+        && record.lead_s == 0.0
+        && acts_ahead(&Problem::new(&record, fitted), nominal, &fit)
+    {
+        let centred = record.centred();
+        let again = refitted(&centred)?;
+        if cost(&again).is_finite() {
+            (record, fit) = (centred, again);
+        }
+    }
+    let searched = |record: &Record, fit| {
+        let scout = Scout::of(record, fitted, nominal);
+        let problem = Problem::new(record, fitted).scouted(scout.as_ref());
+        search(problem, nominal, fit, known, bar)
+    };
+    let found = searched(&record, fit)?;
+    let asked = record.drive == Drive::Voltage || record.lead_s > 0.0;
+    if asked || delays(&found) < 2 || interrupt::asked() {
+        return Ok((record, found));
+    }
+    let centred = record.centred();
+    let fit = refitted(&centred)?;
+    let again = searched(&centred, fit)?;
+    Ok(match weight(&again) < weight(&found) && !interrupt::asked() {
+        true => (centred, again),
+        false => (record, found),
+    })
+}
+
+/// Shares of an interval by which an input is tried to act ahead of its stamp.
+const AHEAD: [f64; 3] = [-0.4, -0.25, -0.1];
+/// And behind it.
+const BEHIND: [f64; 2] = [0.1, 0.3];
+
+/// Whether a fit would gain by far where the input acted ahead of its stamp, and more than behind it.
+fn acts_ahead(problem: &Problem<'_>, nominal: &Model, fit: &Fit) -> bool {
+    let interval = problem.record.grid.typical_interval();
+    let Some(test) = ScoreTest::new(*problem, nominal, fit, 0) else { return false };
+    let most = |shares: &[f64]| {
+        let tried = shares.iter().map(|share| late(*share, interval));
+        let gains = test.gains(&tried.collect::<Vec<_>>());
+        gains.iter().fold(0.0, |most: f64, gain| most.max(gain.real))
+    };
+    most(&AHEAD) > most(&BEHIND) + LEAST
+}
+
+/// How many encoders were found to be late.
+fn delays(found: &Search) -> usize {
+    late_encoders(found.rounds.iter().map(|round| round.name))
+}
+
+/// What a search's answer costs, its names included.
+fn weight(found: &Search) -> f64 {
+    cost(&found.after.fit) + WEAK * found.rounds.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::params::Location;
+
+    use super::*;
+    use crate::demo::actuator;
+    use crate::synthetic::{Experiment, record};
+
+    #[test]
+    fn a_late_encoder_does_not_hide_that_the_current_was_measured() {
+        let nominal = actuator();
+        let mut truth = nominal.clone();
+        let late = EffectParameters::new(Kind::SensorDelay, Location::Encoder);
+        truth.effects.push(late.with("delay_s", 7e-4));
+        let second = Experiment { duration_s: 1.0, ..Experiment::default() };
+        let mut log = record(&truth, &second, 3).unwrap();
+        log.voltage_v = None;
+        let record = Record::new(&log, Some(2));
+        let mask = vec![1.0; record.len()];
+        let half = 0.5 * record.grid.typical_interval();
+        let (record, found) =
+            search_timed(record, &mask, &nominal, (&[], &[]), &ProgressBar::hidden()).unwrap();
+        let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
+        assert_eq!(names, [(Kind::SensorDelay, Location::Encoder)]);
+        assert_eq!(record.lead_s, half);
+    }
+
+    #[test]
+    fn encoders_that_are_late_alike_are_an_input_that_acts_late() {
+        let nominal = actuator();
+        let mut truth = nominal.clone();
+        // A third of an interval: as a command it would be ahead of its stamp.
+        let wanted = 0.3 * nominal.sensor.sample_time_s;
+        for encoder in [Location::Encoder, Location::OutputEncoder] {
+            let late = EffectParameters::new(Kind::SensorDelay, encoder);
+            truth.effects.push(late.with("delay_s", wanted));
+        }
+        let second = Experiment { duration_s: 1.0, ..Experiment::default() };
+        let mut log = record(&truth, &second, 3).unwrap();
+        log.voltage_v = None;
+        let record = Record::new(&log, Some(2));
+        let mask = vec![1.0; record.len()];
+        let half = 0.5 * record.grid.typical_interval();
+        let (record, found) =
+            search_timed(record, &mask, &nominal, (&[], &[]), &ProgressBar::hidden()).unwrap();
+        let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
+        assert_eq!(names, [(Kind::InputDelay, Location::Inverter)]);
+        assert_eq!(record.lead_s, half);
+        // Between samples a measured current is not the step that is taken for it: on a ramp its middle is
+        // right, on a bend less so, by a tenth of half an interval at most.
+        let found = found.after.fit.model.effects[0].values[0];
+        assert!((found - wanted).abs() < 0.1 * half, "{found} {wanted}");
+    }
+}

@@ -1,0 +1,59 @@
+//! The refits that all proposals make: a short one to choose by, a full one to compare by.
+
+use std::borrow::Cow;
+
+use nalgebra::DMatrix;
+
+use crate::discover::candidates::hypothesis::Hypothesis;
+use crate::discover::state::stage::Stage;
+use crate::estimate::filter::{Linearisation, Noise};
+use crate::estimate::fit::{Fit, Known, Problem};
+use crate::estimate::refit::{cost, polish};
+use crate::model::Model;
+use crate::plant::BuildError;
+
+/// What a base costs that is no number.
+const BEYOND: f64 = 1e12;
+
+/// A base with a hypothesis, fitted for some rounds from a model with that effect; `near` is the Jacobian of the
+/// base there.
+///
+/// # Errors
+/// The model cannot be built.
+pub(crate) fn short(
+    problem: &Problem<'_>,
+    (base, hypothesis): (&Stage, &Hypothesis),
+    (start, near): (&Model, Option<&DMatrix<f64>>),
+    noise: &Noise,
+    rounds: usize,
+) -> Result<Stage, BuildError> {
+    let (origin, moved) = base.widened(hypothesis);
+    let known = Known { near, along: &mut Cow::Owned(Linearisation::default()) };
+    let fit = problem.fit_from(known, &origin, start, &moved, noise, rounds)?;
+    Ok(Stage { fit, origin })
+}
+
+/// The same fit polished, with its own noise, from where it stands and at a noise to begin with.
+///
+/// # Errors
+/// The model cannot be built.
+pub(crate) fn full(
+    problem: &Problem<'_>,
+    Stage { fit, origin }: Stage,
+    expected: &Noise,
+    noise: &Noise,
+) -> Result<Stage, BuildError> {
+    let fit = polish(problem, &origin, &fit.model, &fit.coordinates, expected, noise)?;
+    Ok(Stage { fit, origin })
+}
+
+/// What a base costs; one that is no number costs more than any fit.
+pub(crate) fn cost_of_base(base: &Fit) -> f64 {
+    cost(base).min(BEYOND)
+}
+
+/// What a fit gains over a base that may be non-finite.
+pub(crate) fn gained(base: &Fit, fit: &Fit) -> f64 {
+    let gain = cost_of_base(base) - cost(fit);
+    if gain.is_nan() { f64::NEG_INFINITY } else { gain }
+}
