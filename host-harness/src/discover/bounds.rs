@@ -121,9 +121,12 @@ pub(crate) const COUNTS: f64 = 6.0;
 
 /// Chance that one of all hypotheses, or of all families, passes where there is nothing, 1; convention.
 pub(crate) const BY_CHANCE: f64 = 0.05;
+/// Correlation times of what a family leaves that are in a block, and lie between those it is fitted to and the one it
+/// is asked of, count; derived (an exponential correlation falls to 0.2 % over them).
+pub(crate) const APART: f64 = 3.0;
 /// Standard errors beyond which lies a twentieth of a normal deviate, one-sided, 1; derived.
 pub(crate) const SIGMAS: f64 = 1.645;
-/// Share of the RMS of what drives an equation up to which a predictable remainder does not matter, 1; convention.
+/// Share of the RMS of what drives an equation up to which a remainder does not matter, 1; convention.
 pub(crate) const TOLERANCE: f64 = 0.01;
 /// Most that an innovation counts for on unseen samples, sigmas: few moments of slip outweigh no others; draws.
 pub(crate) const MOST_INNOVATION: f64 = 10.0;

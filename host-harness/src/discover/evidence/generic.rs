@@ -14,15 +14,12 @@ use super::blocks::{Blocks, Share, correlation_time, ratio};
 use super::family::{Equations, Family};
 use super::hats::Grid;
 use super::linear::Linear;
-use crate::discover::bounds::BY_CHANCE;
+use crate::discover::bounds::{APART, BY_CHANCE};
 
 /// Knots over a coordinate, coarse to fine: a line, a trend, a course, a curve, a line spectrum, one of high orders.
 const KNOTS: [usize; 6] = [2, 4, 12, 48, 192, 768];
 /// Samples that a knot has to have in the mean.
 const PER_KNOT: usize = 16;
-/// Correlation times of what a curve leaves that are in a block, and between those it is fitted to and the one it is
-/// asked of.
-const APART: f64 = 3.0;
 /// What a linear combination of all coordinates is called.
 const STATES: &str = "linear combination of the states";
 
@@ -233,6 +230,27 @@ mod tests {
             rows.map(|((angle, speed), noise)| 2.0 * (2.0 * angle).sin() * speed + noise).collect();
         let found = asked(&series, &angle, &speed).unwrap();
         assert!(found.follows == "angle" && found.times.as_deref() == Some("speed"), "{found:?}");
+    }
+
+    #[test]
+    fn a_law_as_slow_as_the_motion_is_found_by_what_is_left_of_it() {
+        // Four periods, which are five correlation times of the law.
+        let angle: Vec<f64> = (0..SAMPLES).map(|k| (k as f64 * 0.0042).sin()).collect();
+        let (_, speed, noise) = motion(8, 0.5);
+        let rows = angle.iter().zip(&noise);
+        let series: Vec<f64> = rows.map(|(x, noise)| x * x.abs() + 0.3 * noise).collect();
+        let found = asked(&series, &angle, &speed).unwrap();
+        assert!(found.follows == "angle" && found.share.value > 0.7, "{found:?}");
+    }
+
+    #[test]
+    fn what_no_coordinate_tells_alone_is_told_by_a_combination_of_them() {
+        let (angle, speed, noise) = motion(9, 0.9);
+        let rows = angle.iter().zip(&speed).zip(&noise);
+        let series: Vec<f64> =
+            rows.map(|((angle, speed), noise)| angle + 3.0 * speed + 0.1 * noise).collect();
+        let found = asked(&series, &angle, &speed).unwrap();
+        assert!(found.follows == STATES && found.share.value > 0.95, "{found:?}");
     }
 
     #[test]
