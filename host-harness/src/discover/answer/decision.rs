@@ -13,14 +13,16 @@ use crate::interrupt;
 use crate::plant::BuildError;
 
 /// The answer. It is unknown where something that matters is left without a name: what is predictable, what exceeds
-/// what friction and supply are expected to scatter by, or what makes a model fail on samples that no fit has seen.
+/// what friction, supply and sensors are believed to scatter by, or what makes a model fail on samples that no fit has seen.
 /// A disturbance that is no larger than that is no law that is missing.
 pub(crate) fn answered(named: bool, left: &Remainder, weighed: &Weighed) -> Answer {
     let noise = left.complaints(!named).is_empty();
     let unknown = match &weighed.budget {
         Some(budget) => {
             let fails = !noise && left.fails_unseen();
-            matters(budget) || fails || weighed.is_unbelievable() && budget.left_matters()
+            let large = weighed.is_unbelievable();
+            // What a sensor shows beside the truth is no share of what it shows.
+            matters(budget) || fails || large && (weighed.of_sensor || budget.left_matters())
         }
         None => !noise,
     };
@@ -104,6 +106,9 @@ mod tests {
             assert_eq!(answered(named, &quiet, &wandering(2.0, 0.7)), told);
             assert_eq!(answered(named, &quiet, &wandering(2.0, 2.0)), Answer::Unknown);
             assert_eq!(answered(named, &quiet, &wandering(0.5, 2.0)), told);
+            let sensor = |over| Weighed { of_sensor: true, ..wandering(0.5, over) };
+            assert_eq!(answered(named, &quiet, &sensor(2.0)), Answer::Unknown);
+            assert_eq!(answered(named, &quiet, &sensor(0.7)), told);
             // A share that is no more certain than this might be half as large.
             let mut unsure = much.clone();
             unsure.budget.iter_mut().for_each(|budget| budget.unnamed_error = 0.05);

@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 use super::confidence::{Left, confidence};
 use super::findings::{Named, knots_of};
 
+use crate::discover::bounds::SIGMAS;
 use crate::discover::checks::confirmed::Witnessed;
 use crate::discover::evidence::budget::{Budget, Weighed};
 use crate::discover::state::search::Search;
@@ -27,16 +28,18 @@ pub(crate) fn named(
     let fit = &found.after.fit;
     let first = found.scores.iter().filter(|row| row.round == 1);
     let tried = first.count();
-    // What is more than a disturbance may be has a cause of its own, whether it is predicted or not.
-    let cause = |budget: &Budget| {
-        budget.unnamed + if weighed.is_unbelievable() { budget.coloured } else { 0.0 }
+    // What is more than a disturbance may be has a cause of its own, whether it is predicted or not, of which an effect
+    // may be a part; but for one that other records bear out.
+    let cause = |budget: &Budget, unseen: &Witnessed| {
+        let held = unseen.elsewhere.is_some_and(|t| t > SIGMAS);
+        budget.unnamed + if weighed.is_unbelievable() && !held { budget.coloured } else { 0.0 }
     };
-    let unnamed = weighed.budget.as_ref().map_or(f64::NAN, cause);
     let effects = fit.model.effects.iter().enumerate().skip(standing);
     let rounds = found.rounds.iter().zip(&weighed.shares).zip(unseen);
     effects
         .zip(rounds)
         .map(|((number, effect), ((round, share), unseen))| {
+            let unnamed = weighed.budget.as_ref().map_or(f64::NAN, |own| cause(own, unseen));
             let other = found.constant.filter(|constant| round.name.0 == constant.of);
             let other = other.map(|constant| round.gain + constant.lead);
             // Beside a disturbance a likelihood is not all: unseen samples are asked as well.

@@ -60,12 +60,12 @@ pub(crate) fn reasons(
     all
 }
 
-/// That more is left than friction and supply may be disturbed by, if it is.
+/// That more is left than friction, supply and sensors may scatter by, if it is.
 pub(super) fn unbelievable(weighed: &Weighed) -> Option<String> {
     let budget = weighed.budget.as_ref().filter(|_| weighed.is_unbelievable())?;
     let unit = budget.unit.split(' ').next().unwrap_or_default();
     Some(format!(
-        "beside white noise {} RMS are left in the {}, {:.1} times the most that friction and supply are believed to scatter by",
+        "beside white noise {} RMS are left in the {}, {:.1} times the most that friction, supply and sensors are believed to scatter by",
         si(budget.rms_left, unit, 2),
         budget.equation,
         weighed.over_believable,

@@ -9,7 +9,7 @@ use super::disturbance::{coordinates, disturbance_of, run_beside, title};
 use super::generic::{Predicted, predicted};
 use super::shares::{Disturbances, divided};
 use super::unseen::Unseen;
-use crate::discover::bounds::{DRIVE_RATIO, TORQUE_RATIO};
+use crate::discover::bounds::{DRIVE_RATIO, LOST, TORQUE_RATIO};
 use crate::estimate::filter::{Equation, Noise, Walk};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{Channel, Record};
@@ -76,22 +76,24 @@ pub(crate) struct Weighed {
     pub(crate) budget: Option<Budget>,
     /// Share of every effect.
     pub(crate) shares: Vec<Share>,
-    /// RMS of all that is left beside white noise over the most that is believed of friction and supply; zero where
-    /// nothing could be looked at.
+    /// RMS of all that is left beside white noise over the most that is believed of friction, supply and sensors;
+    /// zero where nothing could be looked at.
     pub(crate) over_believable: f64,
+    /// Whether the equation is what a sensor shows.
+    pub(crate) of_sensor: bool,
 }
 
-/// Most that an equation is believed to be disturbed by, RMS in its unit; without a bound of what a sensor shows.
+/// Most that an equation is believed to be disturbed by, RMS in its unit.
 fn believable(equation: Equation, expected: &Noise) -> f64 {
     match equation {
         Equation::Voltage => DRIVE_RATIO * expected.drive,
         Equation::Torque(_) => TORQUE_RATIO * expected.torque,
-        Equation::Sensor(_) => f64::INFINITY,
+        Equation::Sensor(channel) => LOST * expected.sensors[channel as usize],
     }
 }
 
 impl Weighed {
-    /// Whether more is left than friction and supply may be disturbed by: it has a cause that is not known.
+    /// Whether more is left than friction, supply and sensors may scatter by: it has a cause that is not known.
     pub(crate) fn is_unbelievable(&self) -> bool {
         self.over_believable > 1.0
     }
@@ -141,8 +143,9 @@ pub(crate) fn weigh(
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
     let over_believable = budget.rms_left / believable(walk.equation, expected);
+    let of_sensor = walk.equation.is_of_a_sensor();
     let budget = Some(Budget { equation, unit: unit.to_owned(), ..budget });
-    Ok(Weighed { budget, shares, over_believable })
+    Ok(Weighed { budget, shares, over_believable, of_sensor })
 }
 
 /// Quantities that laws are proportional to: current, speed, voltage.
