@@ -13,8 +13,8 @@ use crate::interrupt;
 use crate::plant::BuildError;
 
 /// The answer. It is unknown where something that matters is left without a name: what is predictable, what exceeds
-/// what friction, supply and sensors are believed to scatter by, or what makes a model fail on samples that no fit has seen.
-/// A disturbance that is no larger than that is no law that is missing.
+/// what friction, supply and sensors are believed to scatter by, or what makes a model fail on samples that no fit
+/// has seen. A disturbance that is no larger than that is no law that is missing.
 pub(crate) fn answered(named: bool, left: &Remainder, weighed: &Weighed) -> Answer {
     let noise = left.complaints(!named).is_empty();
     let unknown = match &weighed.budget {
