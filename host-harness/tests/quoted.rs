@@ -1,7 +1,9 @@
-//! What README and docs quote is there: every relative link, every verb and flag of `joint`.
+//! What README and docs quote is there: every relative link, every verb and flag of `joint`, and what README's first
+//! commands print.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use host_harness::cli;
 
@@ -132,4 +134,46 @@ fn every_verb_and_flag_that_is_quoted_exists() {
         }
     }
     assert!(checked.len() > 40, "{checked:?}");
+}
+
+/// Share by which a quoted number may be off: sines have other last bits on another processor.
+const ROUNDING: f64 = 0.02;
+
+/// Whether a printed line begins as a quoted one, its numbers alike.
+fn begins_as(printed: &str, quoted: &str) -> bool {
+    let bare = |word: &str| word.trim_matches(|c: char| "(),;%".contains(c)).to_owned();
+    let mut words = printed.split_whitespace().map(bare);
+    quoted.split_whitespace().map(bare).all(|wanted| {
+        let Some(own) = words.next() else { return false };
+        match (own.parse::<f64>(), wanted.parse::<f64>()) {
+            (Ok(own), Ok(wanted)) => (own - wanted).abs() <= ROUNDING * wanted.abs(),
+            _ => own == wanted,
+        }
+    })
+}
+
+#[test]
+fn the_first_commands_print_what_the_readme_says() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let (_, section) = readme.split_once("## Two commands").unwrap();
+    let (section, _) = section.split_once("Without an installation").unwrap();
+    let blocks: Vec<&str> = section.split("```").skip(1).step_by(2).collect();
+    let [run, told, check, noted] = blocks[..] else { panic!("{} blocks", blocks.len()) };
+    let folder = tempfile::tempdir().unwrap();
+    for (command, wanted) in [(run, told), (check, noted)] {
+        let command = commands(&format!("```{command}```")).remove(0);
+        let output = Command::new(env!("CARGO_BIN_EXE_joint"))
+            .args(command.split_whitespace())
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let printed = [output.stdout, output.stderr].concat();
+        let printed = String::from_utf8(printed).unwrap();
+        let wanted = wanted.lines().map(str::trim).filter(|line| !line.is_empty());
+        for line in wanted {
+            assert!(printed.lines().any(|own| begins_as(own, line)), "{line}\nnot in\n{printed}");
+        }
+    }
+    assert!(!begins_as("gap: 3.221 before", "gap: 4.221 before"));
+    assert!(!begins_as("gap: 3.221 before", "gap: 3.221 after"));
 }

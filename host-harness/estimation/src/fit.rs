@@ -91,7 +91,7 @@ pub struct Problem<'a> {
     /// What a round must gain of minus twice the log-likelihood to be followed by another.
     pub worth: f64,
     /// Whether slopes are taken by differences, long enough to see beyond a standstill, instead of at
-    /// the place itself: friction behind gears makes a rugged likelihood.
+    /// the place itself: friction behind gears makes a multimodal likelihood.
     pub long_sighted: bool,
     /// Whether a fit is only on the way to another: it may end with gains of a model near its own.
     pub passing: bool,

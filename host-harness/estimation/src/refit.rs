@@ -1,6 +1,6 @@
 //! From a nominal model to the best one of the same structure.
 //!
-//! Where friction sticks and slips, the likelihood of a filter that trusts its model is rugged: a
+//! Where friction sticks and slips, the likelihood of a filter that trusts its model is multimodal: a
 //! search that begins there ends in the next hollow, with the scale of a whole stage tens of per
 //! cent off. A filter that trusts the model little takes every sample on its own and sees a smooth
 //! slope, so the search begins with that one, and trust grows on the way. What even that one hardly
@@ -31,8 +31,8 @@ const COOLING_ROUNDS: usize = 6;
 /// How much less the model is trusted while the springs are tried.
 const DISTRUST: f64 = 3.0;
 
-/// Stages from which on a likelihood is taken to be rugged, and fits are made by either slope.
-pub const RUGGED: usize = 2;
+/// Stages from which on a likelihood is taken to be multimodal, and fits are made by either slope.
+pub const MULTIMODAL: usize = 2;
 
 /// Most rounds of converging.
 const ATTEMPTS: usize = 4;
@@ -56,7 +56,7 @@ pub const DOUBTED: f64 = 3.0;
 /// The model cannot be built.
 pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
     let moved = coordinates(origin, problem);
-    let sights = if origin.stages.len() < RUGGED { &[false][..] } else { &[false, true] };
+    let sights = if origin.stages.len() < MULTIMODAL { &[false][..] } else { &[false, true] };
     let fits = sights
         .par_iter()
         .map(|long| resettle(&problem.long_sighted(*long), origin, origin, &moved))
@@ -255,7 +255,7 @@ pub fn cooled(
     expected: &Noise,
 ) -> Result<Fit, BuildError> {
     let anew = Model { effects: fit.model.effects.clone(), ..origin.clone() };
-    let fits = [(&fit.model, false), (&anew, origin.stages.len() >= RUGGED)]
+    let fits = [(&fit.model, false), (&anew, origin.stages.len() >= MULTIMODAL)]
         .into_par_iter()
         .map(|(start, long)| {
             let problem = &problem.long_sighted(long);

@@ -8,7 +8,7 @@
 //! of a field) stands beside its use.
 
 /// Stages from which on a likelihood has many maxima, count; draws.
-pub(crate) use crate::estimate::refit::RUGGED;
+pub(crate) use crate::estimate::refit::MULTIMODAL;
 /// Noise ratios (noise that a fit needs over the noise expected, 1) that the refit decides by as well.
 pub(crate) use crate::estimate::refit::{ADRIFT, DOUBTED, DOUBTFUL, LOST};
 
@@ -19,7 +19,7 @@ pub(crate) const LEAST_GAIN: f64 = 60.0;
 /// The same on a joint of one stage at most whose noise is not doubtful: in 100 complete ones none exceeds 22; draws.
 pub(crate) const LEAST_OF_SMOOTH: f64 = 40.0;
 /// The same of a law of a stage in a chain of several: a fifth of the complete ones score 64 and more; draws.
-pub(crate) const LEAST_OF_RUGGED: f64 = 120.0;
+pub(crate) const LEAST_OF_MULTIMODAL: f64 = 120.0;
 /// Gain below which an effect has to make samples likelier that no fit has seen; 5 of those that count, draws.
 pub(crate) const WEAK: f64 = 5.0 * LEAST_GAIN;
 /// Gain by which one fit is behind another for its last refinement to be left out; 10 weak ones, draws.
@@ -96,7 +96,7 @@ pub(crate) const VARIANCE: f64 = 0.15;
 /// Most RMS of errors on unseen samples over a replicate's, 1; draws.
 pub(crate) const UNSEEN: f64 = 1.15;
 /// The same of a chain of several stages, which lets go at another moment, 1; draws.
-pub(crate) const UNSEEN_OF_RUGGED: f64 = 1.25;
+pub(crate) const UNSEEN_OF_MULTIMODAL: f64 = 1.25;
 /// Most free-run error of a model found beside a disturbance over that of one without, 1; draws.
 pub(crate) const FARTHEST: f64 = 2.0;
 

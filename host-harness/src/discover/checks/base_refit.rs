@@ -29,10 +29,10 @@ pub(crate) fn refitted_base(
     let origin = &base.origin;
     // A name that is large is not owed to a local minimum.
     let small = base.fit.noise.times(expected) <= LOST || !base.fit.model.effects.is_empty();
-    let rugged = !origin.stages.is_empty();
+    let geared = !origin.stages.is_empty();
     let far = |fit: &Fit| cost(fit) - cost(&won.fit) > FAR_BEHIND;
     let mut fit = refit::polish_unless(far, problem, origin, &start, moved, expected, noise)?;
-    if rugged && small && cost(&fit) - cost(&won.fit) > least {
+    if geared && small && cost(&fit) - cost(&won.fit) > least {
         let again = refit::cooled(problem, origin, &base.fit, expected)?;
         if cost(&again) < cost(&fit) {
             fit = again;

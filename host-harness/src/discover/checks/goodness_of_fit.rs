@@ -5,8 +5,8 @@
 //! are not white where those of the model's own replicate are.
 
 use crate::discover::bounds::{
-    AUTOCORRELATION, DRIVE_RATIO, PLAIN_TORQUE_RATIO, RUGGED, SCATTER, TORQUE_RATIO, UNSEEN,
-    UNSEEN_OF_RUGGED, VARIANCE,
+    AUTOCORRELATION, DRIVE_RATIO, MULTIMODAL, PLAIN_TORQUE_RATIO, SCATTER, TORQUE_RATIO, UNSEEN,
+    UNSEEN_OF_MULTIMODAL, VARIANCE,
 };
 use crate::estimate::filter::{Disturbed, Noise};
 use crate::estimate::fit::{Fit, Problem};
@@ -50,9 +50,9 @@ pub struct Remainder {
     /// RMS of the innovations over a replicate's on samples that no fit has seen; zero where nobody asked.
     #[serde(default)]
     pub unseen: f64,
-    /// Whether the model is a rugged chain, of which a few moments may go otherwise.
+    /// Whether the likelihood of the model is multimodal: a chain of several stages, of which a few moments may go otherwise.
     #[serde(default)]
-    pub rugged: bool,
+    pub multimodal: bool,
 }
 
 impl Remainder {
@@ -74,7 +74,7 @@ impl Remainder {
             torque: fit.noise.torque / expected.torque,
             output: fit.noise.output_times(expected),
             disturbed: fit.noise.coloured[Disturbed::Rotor as usize].deviation / expected.torque,
-            rugged: fit.model.stages.len() >= RUGGED,
+            multimodal: fit.model.stages.len() >= MULTIMODAL,
             ..Self::default()
         };
         let gains = problem.design(&fit.model, &fit.noise)?.gains;
@@ -105,7 +105,7 @@ impl Remainder {
 
     /// Whether it fails on samples that no fit has seen.
     pub fn fails_unseen(&self) -> bool {
-        self.unseen > if self.rugged { UNSEEN_OF_RUGGED } else { UNSEEN }
+        self.unseen > if self.multimodal { UNSEEN_OF_MULTIMODAL } else { UNSEEN }
     }
 
     /// Whether a joint is disturbed by more than its own friction is expected to wander.
@@ -216,9 +216,9 @@ mod tests {
         let left =
             |unseen: f64| Remainder { drive: 1.0, torque: 1.0, unseen, ..Remainder::default() };
         assert!([0.0, 1.0, 1.1].iter().all(|unseen| left(*unseen).complaints(false).is_empty()));
-        let rugged =
-            |unseen: f64| Remainder { rugged: true, ..left(unseen) }.complaints(true).len();
-        assert_eq!([rugged(1.2), rugged(1.3), left(1.2).complaints(true).len()], [0, 1, 1]);
+        let multimodal =
+            |unseen: f64| Remainder { multimodal: true, ..left(unseen) }.complaints(true).len();
+        assert_eq!([multimodal(1.2), multimodal(1.3), left(1.2).complaints(true).len()], [0, 1, 1]);
         let complaints = left(6.6).complaints(false);
         assert!(
             complaints.len() == 1

@@ -3,7 +3,7 @@
 use joint_core::params::Location;
 
 use crate::discover::bounds::{
-    DOUBTFUL, LEAST_GAIN, LEAST_OF_RUGGED, LEAST_OF_SMOOTH, RUGGED, WEAK,
+    DOUBTFUL, LEAST_GAIN, LEAST_OF_MULTIMODAL, LEAST_OF_SMOOTH, MULTIMODAL, WEAK,
 };
 use crate::discover::state::search::Search;
 
@@ -21,8 +21,8 @@ impl Search {
 
 fn least_gain(stages: usize, noise_ratio: f64, place: Location) -> f64 {
     match place {
-        Location::Stage(_) if stages >= RUGGED => LEAST_OF_RUGGED,
-        _ if stages < RUGGED && noise_ratio < DOUBTFUL => LEAST_OF_SMOOTH,
+        Location::Stage(_) if stages >= MULTIMODAL => LEAST_OF_MULTIMODAL,
+        _ if stages < MULTIMODAL && noise_ratio < DOUBTFUL => LEAST_OF_SMOOTH,
         _ => LEAST_GAIN,
     }
 }
@@ -32,10 +32,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_law_of_a_rugged_chain_has_to_explain_more_than_one_of_a_smooth_joint() {
+    fn a_law_of_a_chain_of_stages_has_to_explain_more_than_one_of_a_smooth_joint() {
         let at = |stages: usize, place: Location| least_gain(stages, 1.0, place);
         let stage = Location::Stage(1);
-        assert_eq!([at(2, stage), at(1, stage)], [LEAST_OF_RUGGED, LEAST_OF_SMOOTH]);
+        assert_eq!([at(2, stage), at(1, stage)], [LEAST_OF_MULTIMODAL, LEAST_OF_SMOOTH]);
         let rotor = Location::Motor;
         assert_eq!([at(2, rotor), at(0, rotor)], [LEAST_GAIN, LEAST_OF_SMOOTH]);
         assert_eq!(least_gain(0, 7.0, rotor), LEAST_GAIN);

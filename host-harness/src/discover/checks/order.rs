@@ -122,14 +122,14 @@ fn reordered(
     let others = starts.into_iter().filter(|(_, order)| {
         possible.contains(order) && (order - own).abs() >= SAME && !(hangs && *order == 1.0)
     });
-    let hopeless = |again: &Fit| cost(again) - cost(fit) > FAR_BEHIND;
+    let far_behind = |again: &Fit| cost(again) - cost(fit) > FAR_BEHIND;
     let reordered = |(model, order): (&Model, f64)| {
         let (mut start, mut origin) = (model.clone(), origin.clone());
         start.effects[effect].values[value] = order;
         origin.effects[effect].values[value] = order;
         let (moved, noise) = (&fit.coordinates, &fit.noise);
         let again =
-            refit::polish_unless(hopeless, problem, &origin, &start, moved, expected, noise)?;
+            refit::polish_unless(far_behind, problem, &origin, &start, moved, expected, noise)?;
         Ok(Stage { fit: again, origin })
     };
     let others: Vec<_> = others.collect();

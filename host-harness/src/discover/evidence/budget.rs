@@ -84,7 +84,7 @@ pub(crate) struct Weighed {
 }
 
 /// Most that an equation is believed to be disturbed by, RMS in its unit.
-fn believable(equation: Equation, expected: &Noise) -> f64 {
+fn most_scatter(equation: Equation, expected: &Noise) -> f64 {
     match equation {
         Equation::Voltage => DRIVE_RATIO * expected.drive,
         Equation::Torque(_) => TORQUE_RATIO * expected.torque,
@@ -142,7 +142,7 @@ pub(crate) fn weigh(
     let drive = drive(record, &after.model, walk, tested, &currents);
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
-    let over_believable = budget.rms_left / believable(walk.equation, expected);
+    let over_believable = budget.rms_left / most_scatter(walk.equation, expected);
     let of_sensor = walk.equation.is_of_a_sensor();
     let budget = Some(Budget { equation, unit: unit.to_owned(), ..budget });
     Ok(Weighed { budget, shares, over_believable, of_sensor })

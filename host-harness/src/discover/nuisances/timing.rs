@@ -108,34 +108,14 @@ mod tests {
     use crate::demo::actuator;
     use crate::synthetic::{Experiment, record};
 
-    #[test]
-    fn a_late_encoder_does_not_hide_that_the_current_was_measured() {
+    /// What is found in a second of an actuator whose encoders are late, of which the current alone is known; half an
+    /// interval, by which a measured current is ahead of its stamp; and by how much it is said to be.
+    fn found(encoders: &[Location], delay_s: f64) -> (Search, f64, f64) {
         let nominal = actuator();
         let mut truth = nominal.clone();
-        let late = EffectParameters::new(Kind::SensorDelay, Location::Encoder);
-        truth.effects.push(late.with("delay_s", 7e-4));
-        let second = Experiment { duration_s: 1.0, ..Experiment::default() };
-        let mut log = record(&truth, &second, 3).unwrap();
-        log.voltage_v = None;
-        let record = Record::new(&log, Some(2));
-        let mask = vec![1.0; record.len()];
-        let half = 0.5 * record.grid.typical_interval();
-        let (record, found) =
-            search_timed(record, &mask, &nominal, (&[], &[]), &ProgressBar::hidden()).unwrap();
-        let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
-        assert_eq!(names, [(Kind::SensorDelay, Location::Encoder)]);
-        assert_eq!(record.lead_s, half);
-    }
-
-    #[test]
-    fn encoders_that_are_late_alike_are_an_input_that_acts_late() {
-        let nominal = actuator();
-        let mut truth = nominal.clone();
-        // A third of an interval: as a command it would be ahead of its stamp.
-        let wanted = 0.3 * nominal.sensor.sample_time_s;
-        for encoder in [Location::Encoder, Location::OutputEncoder] {
-            let late = EffectParameters::new(Kind::SensorDelay, encoder);
-            truth.effects.push(late.with("delay_s", wanted));
+        for encoder in encoders {
+            let late = EffectParameters::new(Kind::SensorDelay, *encoder);
+            truth.effects.push(late.with("delay_s", delay_s));
         }
         let second = Experiment { duration_s: 1.0, ..Experiment::default() };
         let mut log = record(&truth, &second, 3).unwrap();
@@ -143,11 +123,29 @@ mod tests {
         let record = Record::new(&log, Some(2));
         let mask = vec![1.0; record.len()];
         let half = 0.5 * record.grid.typical_interval();
-        let (record, found) =
-            search_timed(record, &mask, &nominal, (&[], &[]), &ProgressBar::hidden()).unwrap();
-        let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
-        assert_eq!(names, [(Kind::InputDelay, Location::Inverter)]);
-        assert_eq!(record.lead_s, half);
+        let bar = ProgressBar::hidden();
+        let (record, found) = search_timed(record, &mask, &nominal, (&[], &[]), &bar).unwrap();
+        (found, half, record.lead_s)
+    }
+
+    fn names(found: &Search) -> Vec<(Kind, Location)> {
+        found.rounds.iter().map(|round| round.name).collect()
+    }
+
+    #[test]
+    fn a_late_encoder_does_not_hide_that_the_current_was_measured() {
+        let (found, half, lead_s) = found(&[Location::Encoder], 7e-4);
+        assert_eq!(names(&found), [(Kind::SensorDelay, Location::Encoder)]);
+        assert_eq!(lead_s, half);
+    }
+
+    #[test]
+    fn encoders_that_are_late_alike_are_an_input_that_acts_late() {
+        // A third of an interval: as a command it would be ahead of its stamp.
+        let wanted = 0.3 * actuator().sensor.sample_time_s;
+        let (found, half, lead_s) = found(&[Location::Encoder, Location::OutputEncoder], wanted);
+        assert_eq!(names(&found), [(Kind::InputDelay, Location::Inverter)]);
+        assert_eq!(lead_s, half);
         // Between samples a measured current is not the step that is taken for it: on a ramp its middle is
         // right, on a bend less so, by a tenth of half an interval at most.
         let found = found.after.fit.model.effects[0].values[0];

@@ -8,11 +8,11 @@
 use rayon::prelude::*;
 
 use super::proposed::{Proposed, Tried};
-use super::refits::{gained, short};
+use super::refits::{Refitted, gained, short, written_refits};
 use super::score_test::ScoreTest;
 use crate::discover::bounds::{
     ANNEALED_JOINT, ANNEALED_NEAR, ANNEALED_NOISE, ANNEALED_SHARE, ANNEALED_WITHIN, DOUBTFUL,
-    FAR_BEHIND, LEAST_GAIN, LOST, RUGGED, WEAK,
+    FAR_BEHIND, LEAST_GAIN, LOST, MULTIMODAL, WEAK,
 };
 use crate::discover::candidates;
 use crate::discover::candidates::hypothesis::{Hypothesis, first_of_each, run_through};
@@ -53,9 +53,6 @@ struct Entry<'a> {
     model: Model,
     test: usize,
 }
-
-/// A name, its score, and the model with it at its own noise.
-type Polished = (Name, f64, Stage);
 
 /// The field at the end of the ladder.
 struct Narrowed<'a> {
@@ -162,7 +159,7 @@ fn polished(
     base: &Stage,
     expected: &Noise,
     Narrowed { mut field, near, .. }: Narrowed<'_>,
-) -> Vec<Polished> {
+) -> Vec<Refitted> {
     let [.., Rung { noise: last, .. }] = LADDER;
     let noise = expected.distrusted(last);
     let polished = |Entry { hypothesis, score, model, .. }: Entry<'_>| {
@@ -185,15 +182,9 @@ fn written(
     search: &mut Search,
     round: usize,
     base: &Stage,
-    (stages, scored): (Vec<Polished>, Vec<(Name, f64)>),
+    (stages, scored): (Vec<Refitted>, Vec<(Name, f64)>),
 ) -> Vec<(Contender, Stage)> {
-    let mut tried = Vec::new();
-    for (name, score, stage) in stages {
-        let believed = search.believes(&stage.fit.model, problem.record);
-        let gain = believed.then(|| gained(&base.fit, &stage.fit));
-        search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
-        tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
-    }
+    let tried = written_refits(problem, search, round, base, stages);
     for (name, score) in scored {
         let row = ScoreRow { round, name: title(name), score, refitted: None };
         if !search.scores.iter().any(|known| known.round == round && known.name == row.name) {
@@ -231,7 +222,7 @@ fn compared(
     tried.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
     // The right name may stand in a local minimum that the nominal's refit has led to, and leave as much noise.
     if let Some((contender, stage)) = tried.first_mut()
-        && stage.origin.stages.len() >= RUGGED
+        && stage.origin.stages.len() >= MULTIMODAL
         && contender.gain > WEAK
         && stage.fit.noise.times(expected) > LOST
     {

@@ -13,7 +13,7 @@ use super::chance::threshold;
 use super::disturbance_regression::{Regressed, regressed};
 use super::line_spectrum::lines;
 use super::proposed::{Proposed, Tried};
-use super::refits::{full, gained, short};
+use super::refits::{Refitted, full, gained, short, written_refits};
 use super::score_test::ScoreTest;
 use crate::discover::bounds::{LEAST_GAIN, MOST_EFFECTS, RIVALLING};
 use crate::discover::candidates;
@@ -22,7 +22,7 @@ use crate::discover::candidates::hypothesis::{Hypothesis, first_of_each, run_thr
 use crate::discover::checks::bootstrap::stays_ahead;
 use crate::discover::checks::noise_ratio::is_as_expected;
 use crate::discover::evidence::disturbance::disagreeing;
-use crate::discover::state::rounds::{Contender, Name, Round, ScoreRow, title};
+use crate::discover::state::rounds::{Contender, Name, Round};
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::{Noise, Walk};
@@ -52,9 +52,6 @@ struct Beside<'a> {
     wary: Noise,
 }
 
-/// A name, its score, and the model with it.
-type Fitted = (Name, f64, Stage);
-
 /// The names that explain most beside a disturbance state, refitted without it; or the lines that the disturbance
 /// shows, where together they explain more.
 ///
@@ -71,16 +68,11 @@ pub(crate) fn beside_disturbance_state(
     let disturbances = disagreeing(&problem.ahead(), &base, &wary, true)?;
     let beside = Beside { base: &base, disturbances: &disturbances, expected, wary };
     let Some(fitted) = beside.fitted(&problem, &search.withdrawn)? else { return Ok(None) };
-    let alone =
-        |(name, score, stage): Fitted| Ok((name, score, full(&problem, stage, &expected, &wary)?));
+    let alone = |(name, score, stage): Refitted| {
+        Ok((name, score, full(&problem, stage, &expected, &wary)?))
+    };
     let alone = run_through(fitted.into_par_iter().map(alone));
-    let mut tried: Vec<(Contender, Stage)> = Vec::new();
-    for (name, score, stage) in alone {
-        let believed = search.believes(&stage.fit.model, problem.record);
-        let gain = believed.then(|| gained(&base.fit, &stage.fit));
-        search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
-        tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
-    }
+    let mut tried = written_refits(&problem, search, round, &base, alone);
     tried.sort_by(|a, b| promise(b, &expected).total_cmp(&promise(a, &expected)));
     let tried = converged(&problem, &base, tried, &expected)?;
     let explained =
@@ -101,7 +93,7 @@ impl Beside<'_> {
         &self,
         problem: &Problem<'_>,
         withdrawn: &[Kind],
-    ) -> Result<Option<Vec<Fitted>>, BuildError> {
+    ) -> Result<Option<Vec<Refitted>>, BuildError> {
         let Some((walk, protected)) = self.disturbances.first() else { return Ok(None) };
         let ahead = problem.ahead();
         let beside = ahead.pushed(*walk);
@@ -130,7 +122,7 @@ impl Beside<'_> {
         test: &ScoreTest<'_>,
         protected: &Fit,
         hypotheses: &[Hypothesis],
-    ) -> Vec<Fitted> {
+    ) -> Vec<Refitted> {
         let mut ranked = test.ranked(hypotheses);
         let least = threshold(ranked.iter().map(|(_, gain)| gain)).max(LEAST_GAIN);
         ranked.retain(|(_, gain)| gain.real > least);

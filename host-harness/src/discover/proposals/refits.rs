@@ -5,6 +5,8 @@ use std::borrow::Cow;
 use nalgebra::DMatrix;
 
 use crate::discover::candidates::hypothesis::Hypothesis;
+use crate::discover::state::rounds::{Contender, Name, ScoreRow, title};
+use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
@@ -14,6 +16,28 @@ use crate::plant::BuildError;
 
 /// What a base costs that is no number.
 const BEYOND: f64 = 1e12;
+
+/// A name, its score, and the model with it.
+pub(crate) type Refitted = (Name, f64, Stage);
+
+/// Writes down the scores of names that were refitted on a base, and what those gained that a joint can have; these,
+/// in the same order.
+pub(crate) fn written_refits(
+    problem: &Problem<'_>,
+    search: &mut Search,
+    round: usize,
+    base: &Stage,
+    refitted: Vec<Refitted>,
+) -> Vec<(Contender, Stage)> {
+    let mut tried = Vec::new();
+    for (name, score, stage) in refitted {
+        let believed = search.believes(&stage.fit.model, problem.record);
+        let gain = believed.then(|| gained(&base.fit, &stage.fit));
+        search.scores.push(ScoreRow { round, name: title(name), score, refitted: gain });
+        tried.extend(gain.map(|gain| (Contender { name, gain }, stage)));
+    }
+    tried
+}
 
 /// A base with a hypothesis, fitted for some rounds from a model with that effect; `near` is the Jacobian of the
 /// base there.

@@ -93,7 +93,7 @@ pub(crate) fn add_to_inconsistent(
             *search = other;
             return Ok(false);
         }
-        let hopeless =
+        let no_improvement =
             !added && strategy == Strategy::Annealed && base.has_not_improved_though_near();
         let agreed = found && added && name(&other) == name(search);
         if found && added {
@@ -104,7 +104,7 @@ pub(crate) fn add_to_inconsistent(
         found |= added;
         let enough = strategy.enough(base.noise_ratio());
         let enough = found && search.noise_ratio() < enough;
-        if interrupt::asked() || agreed || hopeless || enough {
+        if interrupt::asked() || agreed || no_improvement || enough {
             break;
         }
     }
