@@ -180,7 +180,7 @@ fn result(rows: &[Row], fit: &Fit, record: &Record) -> serde_json::Value {
             "output_torque_at_motor_nm": fit.noise.output,
             "sensors": fit.noise.sensors,
         },
-        "current_lead_s": record.lead_s,
+        "current_lead_s": record.lead_s(),
         "deviance": fit.deviance,
     })
 }

@@ -47,9 +47,6 @@ pub struct Record {
     pub drive: Drive,
     /// Volts or amperes, held from a sample, or a little before it, for an interval.
     pub drive_values: Vec<f64>,
-    /// How long before its sample a drive value begins to hold, s: half an interval where it is a
-    /// measured current, zero where it was imposed.
-    pub lead_s: f64,
     /// Known load at the output, Nm.
     pub load_nm: Vec<f64>,
     /// Measurements by sample and channel; NaN where there is none.
@@ -181,7 +178,6 @@ impl Record {
             time_s: log.time_s.clone(),
             drive,
             drive_values: held(values),
-            lead_s: 0.0,
             load_nm: held(log.load_torque_nm.clone().unwrap_or_else(|| vec![0.0; n])),
             measured,
             bus_v: log.bus_v.clone(),
@@ -233,7 +229,6 @@ impl Record {
             time_s,
             drive: self.drive,
             drive_values: of(&self.drive_values),
-            lead_s: self.lead_s,
             load_nm: of(&self.load_nm),
             measured: samples().map(|k| self.measured[k]).collect(),
             bus_v: self.bus_v.as_deref().map(of),
@@ -253,7 +248,8 @@ impl Record {
 
     /// The same record with that many micro-steps in every interval.
     pub fn refined(&self, micro_steps: u32) -> Self {
-        Self { grid: Grid::new(&self.time_s, Some(micro_steps)), ..self.clone() }
+        let grid = Grid::new(&self.time_s, Some(micro_steps));
+        Self { grid: grid.leading(self.lead_s()), ..self.clone() }
     }
 
     /// The same record of a joint whose output feels a disturbance of its own.
@@ -263,7 +259,21 @@ impl Record {
 
     /// The same record with every drive value in the middle of the interval that it stands for.
     pub fn centred(&self) -> Self {
-        Self { lead_s: 0.5 * self.grid.typical_interval(), ..self.clone() }
+        self.leading(0.5 * self.grid.typical_interval())
+    }
+
+    /// The same record with every drive value held from its sample on.
+    pub fn commanded(&self) -> Self {
+        self.leading(0.0)
+    }
+
+    fn leading(&self, lead_s: f64) -> Self {
+        Self { grid: self.grid.clone().leading(lead_s), ..self.clone() }
+    }
+
+    /// How long before its sample a drive value begins to act, s.
+    pub fn lead_s(&self) -> f64 {
+        self.grid.lead_s
     }
 
     /// Number of samples.

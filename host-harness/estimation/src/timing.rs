@@ -40,7 +40,7 @@ pub fn asked(
     if !looked_behind || first.noise.times(&noise::expected(model, record)) <= LOST {
         return Ok(plain);
     }
-    let disturbed = timed(Record { lead_s: 0.0, ..record.disturbed() }, &fit)?;
+    let disturbed = timed(record.disturbed().commanded(), &fit)?;
     Ok(if cost(first) - cost(&disturbed.1) > LEAST { disturbed } else { plain })
 }
 
@@ -91,7 +91,7 @@ fn supplied(
 
 /// What a user should know of how the current was taken.
 pub fn told(record: &Record) -> Option<&'static str> {
-    (record.lead_s > 0.0).then_some(
+    (record.lead_s() > 0.0).then_some(
         "i_a is taken as measured, not as a command: held from half an interval before its sample, it \
          makes the log likelier",
     )
@@ -114,7 +114,7 @@ mod tests {
         let mask = vec![1.0; record.len()];
         let (record, _) =
             timed(record, |record| refit(&Problem::new(record, &mask), &actuator())).unwrap();
-        record.lead_s / record.grid.typical_interval()
+        record.lead_s() / record.grid.typical_interval()
     }
 
     #[test]

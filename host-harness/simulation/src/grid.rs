@@ -3,6 +3,8 @@
 
 use std::collections::HashMap;
 
+use joint_core::effect::EffectParameters;
+use joint_core::effect::input_delay::delay_s;
 use joint_core::joint::Method;
 
 /// Typical intervals from which on missing samples are a gap, and the joint behind it one that may
@@ -22,6 +24,9 @@ pub struct Grid {
     micro_steps: Option<u32>,
     /// How joints are stepped; `None` leaves it to them.
     pub method: Option<Method>,
+    /// How long before its sample a drive value begins to act, s: half an interval where it is a measured
+    /// current, zero where it was imposed.
+    pub lead_s: f64,
     /// Median interval, s.
     typical: f64,
 }
@@ -50,12 +55,17 @@ impl Grid {
         let mut sorted: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         sorted.sort_by(f64::total_cmp);
         let typical = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
-        Self { intervals, serves, per_interval: 1, micro_steps, method: None, typical }
+        Self { intervals, serves, per_interval: 1, micro_steps, method: None, lead_s: 0.0, typical }
     }
 
     /// Of other sample times, with steps as here.
     pub fn over(&self, time_s: &[f64]) -> Self {
-        Self { method: self.method, ..Self::new(time_s, self.micro_steps) }
+        Self { method: self.method, lead_s: self.lead_s, ..Self::new(time_s, self.micro_steps) }
+    }
+
+    /// The same of a log whose drive values act this long before their samples, s.
+    pub fn leading(self, lead_s: f64) -> Self {
+        Self { lead_s, ..self }
     }
 
     /// Micro-steps of an interval: more where a sample is missing, the same where a clock jitters.
@@ -67,6 +77,11 @@ impl Grid {
     /// What is stepped of an interval: an estimator starts anew behind a gap.
     pub fn bridged(&self, interval: f64) -> f64 {
         if self.micro_steps.is_some() { interval.min(GAP * self.typical) } else { interval }
+    }
+
+    /// How long after its sample a drive value acts where these effects are, s.
+    pub fn acts_late_s(&self, effects: &[EffectParameters]) -> f64 {
+        delay_s(effects) - self.lead_s
     }
 
     /// Median interval, s.

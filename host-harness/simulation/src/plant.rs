@@ -5,7 +5,6 @@
 //! distinct interval of its grid.
 
 use joint_core::angle::Angle;
-use joint_core::effect::input_delay::delay_s;
 use joint_core::effect::{EffectSet, MEMORIES, Memory};
 use joint_core::fixed::Fixed;
 use joint_core::joint::{Drive, Joint, Mass, Method, Pace, Settings, StageState, State};
@@ -119,6 +118,8 @@ impl<S: Scalar, const N: usize> Built<S, N> {
         let switched = delay_s != 0.0;
         let share = switch(delay_s, grid.typical_interval());
         let parts = if switched { vec![share, 1.0 - share] } else { vec![1.0] };
+        // Where it is the log that leads, by half an interval, what an interval takes is divided.
+        let halves = if delay_s == -grid.lead_s { parts.len() as u32 } else { 1 };
         let stages: [_; N] = std::array::from_fn(|k| model.stages[k]);
         let joints = grid
             .intervals
@@ -128,7 +129,7 @@ impl<S: Scalar, const N: usize> Built<S, N> {
                 let settings = Settings {
                     drive,
                     step_s: part * grid.bridged(*interval) / f64::from(grid.per_interval),
-                    micro_steps: grid.micro_steps(*interval),
+                    micro_steps: grid.micro_steps(*interval).map(|all| all.div_ceil(halves)),
                     method: grid.method,
                     effects: &effects,
                 };
@@ -288,7 +289,7 @@ pub use crate::by_stages;
 /// A parameter that the equations cannot take, or too many stages.
 pub fn plant(model: &Model, grid: &Grid, drive: Drive) -> Result<Box<dyn Plant>, BuildError> {
     by_stages!(model.stages.len(), N => {
-        Ok(Box::new(Built::<f64, N>::new(model, grid, drive, delay_s(&model.effects))?))
+        Ok(Box::new(Built::<f64, N>::new(model, grid, drive, grid.acts_late_s(&model.effects))?))
     })
 }
 

@@ -36,7 +36,7 @@ impl Elsewhere {
             return Err(DiscoverError::Elsewhere);
         }
         let record = record.refined(micro_steps);
-        let record = if like.lead_s > 0.0 { record.centred() } else { record };
+        let record = if like.lead_s() > 0.0 { record.centred() } else { record };
         Ok(Self { log: log.clone(), every: vec![1.0; record.len()], record })
     }
 

@@ -45,7 +45,7 @@ pub(crate) fn search_timed(
     };
     let (mut record, mut fit) = asked(nominal, record, fitted, refitted)?;
     if record.drive == Drive::Current
-        && record.lead_s == 0.0
+        && record.lead_s() == 0.0
         && acts_ahead(&Problem::new(&record, fitted), nominal, &fit)
     {
         let centred = record.centred();
@@ -60,7 +60,7 @@ pub(crate) fn search_timed(
         search(problem, nominal, fit, known, bar)
     };
     let found = searched(&record, fit)?;
-    let asked = record.drive == Drive::Voltage || record.lead_s > 0.0;
+    let asked = record.drive == Drive::Voltage || record.lead_s() > 0.0;
     if asked || delays(&found) < 2 || interrupt::asked() {
         return Ok((record, found));
     }
@@ -125,7 +125,7 @@ mod tests {
         let half = 0.5 * record.grid.typical_interval();
         let bar = ProgressBar::hidden();
         let (record, found) = search_timed(record, &mask, &nominal, (&[], &[]), &bar).unwrap();
-        (found, half, record.lead_s)
+        (found, half, record.lead_s())
     }
 
     fn names(found: &Search) -> Vec<(Kind, Location)> {
