@@ -8,8 +8,8 @@
 
 use std::borrow::Cow;
 
-use joint_core::effect::sensor_delay::delay_s;
 use joint_core::effect::Kind;
+use joint_core::effect::sensor_delay::delay_s;
 use joint_core::params::Location;
 
 use super::record::{CHANNELS, Channel, Record};
@@ -69,7 +69,8 @@ impl Late<'_> {
 
 /// What acts where that is not the record's own values; a joint's past ends where its log begins.
 fn drives(model: &Model, record: &Record) -> Vec<[f64; 2]> {
-    let (constant, delay) = (filtered_s(model, record.drive), record.grid.acts_late_s(&model.effects));
+    let (constant, delay) =
+        (filtered_s(model, record.drive), record.grid.acts_late_s(&model.effects));
     if constant == 0.0 && delay == 0.0 {
         return Vec::new();
     }

@@ -14,8 +14,8 @@ use crate::plant::BuildError;
 
 /// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
 /// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
-/// a disturbance, which makes likelihoods of what imitates it, beyond their standard error; not so of an effect
-/// that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
+/// a disturbance, which makes likelihoods of what imitates it, to come nearer as well, beyond the standard error; not
+/// so of an effect that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -30,7 +30,7 @@ pub(crate) fn keep_confirmed(
         let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
         let short = |k: usize, own: &Witnessed| match certain(k) {
-            false if disturbed => (own.least() - SIGMAS).min(own.unseen.nearer),
+            false if disturbed => own.least().min(own.unseen.nearer - SIGMAS),
             false if !noise => own.least(),
             _ => own.least() + SIGMAS,
         };
