@@ -267,6 +267,7 @@ prop_compose! {
                 current_noise_a: sensor[3],
             },
             effects,
+            friction_levels: Vec::new(),
         }
     }
 }

@@ -49,6 +49,8 @@ pub enum Quantity {
     Stribeck(usize),
     /// v0 of a mass.
     StribeckVelocity(usize),
+    /// Level of all friction on the day of a log, from 1, over that of the first.
+    FrictionLevel(usize),
 }
 
 /// One sigma of what a datasheet gives, relative.
@@ -57,6 +59,11 @@ const DATASHEET: f64 = 0.06;
 const GUESSED: f64 = 0.16;
 
 impl Quantity {
+    /// The levels of friction of so many logs of a model.
+    pub fn levels(model: &Model, logs: usize) -> impl Iterator<Item = Quantity> {
+        (1..logs).filter(|_| model.rubs()).map(Quantity::FrictionLevel)
+    }
+
     /// The quantities of a model that are not zero, in the order of the model file.
     pub fn of(model: &Model, drive: Drive) -> Vec<Quantity> {
         let mut all = Vec::new();
@@ -177,6 +184,7 @@ impl Quantity {
             Quantity::Coulomb(m) => own(m, "coulomb_nm"),
             Quantity::Stribeck(m) => own(m, "stribeck_nm"),
             Quantity::StribeckVelocity(m) => own(m, "stribeck_velocity_rad_per_s"),
+            Quantity::FrictionLevel(log) => format!("log{}.friction_level", log + 1),
         }
     }
 
@@ -202,6 +210,11 @@ impl Quantity {
             Quantity::Stribeck(m) => &mut friction_mut(model, m)?.stribeck_nm,
             Quantity::StribeckVelocity(m) => {
                 &mut friction_mut(model, m)?.stribeck_velocity_rad_per_s
+            }
+            Quantity::FrictionLevel(log) => {
+                let levels = &mut model.friction_levels;
+                levels.resize(levels.len().max(log + 1), 1.0);
+                &mut levels[log]
             }
         })
     }

@@ -119,6 +119,7 @@ impl Record {
     pub fn join(logs: &[Log], micro_steps: Option<u32>) -> Result<Self, JoinError> {
         let mut parts = logs.iter().map(|log| Self::unasked(log, micro_steps));
         let mut whole = parts.next().ok_or(JoinError::NoLog)?;
+        let mut firsts = Vec::new();
         for (number, part) in parts.enumerate() {
             if part.drive != whole.drive {
                 return Err(JoinError::Mixed(number + 2));
@@ -127,6 +128,7 @@ impl Record {
             let shift = whole.time_s.last().copied().unwrap_or(0.0) + gap
                 - part.time_s.first().copied().unwrap_or(0.0);
             let before = whole.len();
+            firsts.push(before);
             whole.starts.extend(part.starts.iter().map(|start| start + before));
             whole.cuts.extend(part.cuts.iter().map(|cut| cut + before));
             whole.time_s.extend(part.time_s.iter().map(|t| t + shift));
@@ -136,7 +138,8 @@ impl Record {
             whole.bus_v = joined(whole.bus_v, part.bus_v);
             whole.temperature_c = joined(whole.temperature_c, part.temperature_c);
         }
-        whole.grid = Grid::new(&whole.time_s, micro_steps);
+        let log_of = |k: usize| firsts.partition_point(|first| *first <= k) as u32;
+        whole.grid = Grid::new(&whole.time_s, micro_steps).of_logs(log_of);
         whole.ask_encoders();
         Ok(whole)
     }
@@ -224,8 +227,9 @@ impl Record {
         }
         let of = |values: &[f64]| samples().map(|k| values[k]).collect::<Vec<f64>>();
         let time_s = of(&self.time_s);
+        let logs: Vec<u32> = samples().map(|k| self.grid.log(k)).collect();
         Self {
-            grid: self.grid.over(&time_s),
+            grid: self.grid.over(&time_s).of_logs(|place| logs[place]),
             time_s,
             drive: self.drive,
             drive_values: of(&self.drive_values),
@@ -249,7 +253,8 @@ impl Record {
     /// The same record with that many micro-steps in every interval.
     pub fn refined(&self, micro_steps: u32) -> Self {
         let grid = Grid::new(&self.time_s, Some(micro_steps));
-        Self { grid: grid.leading(self.lead_s()), ..self.clone() }
+        let grid = grid.leading(self.lead_s()).of_logs(|k| self.grid.log(k));
+        Self { grid, ..self.clone() }
     }
 
     /// The same record of a joint whose output feels a disturbance of its own.
@@ -269,6 +274,11 @@ impl Record {
 
     fn leading(&self, lead_s: f64) -> Self {
         Self { grid: self.grid.clone().leading(lead_s), ..self.clone() }
+    }
+
+    /// How many logs it is of.
+    pub fn logs(&self) -> usize {
+        self.grid.logs()
     }
 
     /// How long before its sample a drive value begins to act, s.

@@ -286,8 +286,9 @@ pub fn cost(fit: &Fit) -> f64 {
 
 /// The parameters that a refit of this model moves.
 pub fn coordinates(model: &Model, problem: &Problem<'_>) -> Vec<Coordinate> {
-    let quantities = Quantity::of(model, problem.record.drive);
-    quantities.into_iter().map(Coordinate::Parameter).collect()
+    let record = problem.record;
+    let levels = Quantity::levels(model, record.logs());
+    Quantity::of(model, record.drive).into_iter().chain(levels).map(Coordinate::Parameter).collect()
 }
 
 #[cfg(test)]
@@ -296,6 +297,30 @@ mod tests {
     use crate::record::Record;
     use joint_simulation::demo::actuator;
     use joint_simulation::synthetic::{Experiment, record};
+
+    #[test]
+    fn friction_of_another_day_is_another_level_and_no_other_parameter() {
+        let truth = actuator();
+        let day = |level: f64, seed| {
+            record(&truth.with_friction(level), &Experiment::clean(0.5), seed).unwrap()
+        };
+        let record = Record::join(&[day(1.0, 5), day(1.25, 6), day(0.9, 7)], None).unwrap();
+        assert_eq!(record.logs(), 3);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let mut nominal = truth.clone();
+        nominal.motor.friction.coulomb_nm *= 1.2;
+        let fit = refit(&problem, &nominal).unwrap();
+        for (log, level) in [1.0, 1.25, 0.9].into_iter().enumerate() {
+            let found = fit.model.friction_level(log);
+            assert!((found / level - 1.0).abs() < 0.02, "{log}: {found}");
+        }
+        let coulomb = fit.model.motor.friction.coulomb_nm / truth.motor.friction.coulomb_nm;
+        assert!((coulomb - 1.0).abs() < 0.03, "{coulomb}");
+        // Thinned, stretched and refined it is of the same days.
+        let thinned = record.thinned(1200).refined(2);
+        assert_eq!((thinned.logs(), thinned.grid.log(0), thinned.grid.log(1199)), (3, 0, 2));
+    }
 
     #[test]
     fn a_fit_that_rests_gains_little_when_it_is_polished_again() {

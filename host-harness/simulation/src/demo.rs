@@ -47,5 +47,6 @@ pub fn actuator() -> Model {
             current_noise_a: 0.02,
         },
         effects: Vec::new(),
+        friction_levels: Vec::new(),
     }
 }

@@ -16,6 +16,8 @@ pub const GAP: f64 = 20.0;
 pub struct Grid {
     /// Distinct intervals, s.
     pub intervals: Vec<f64>,
+    /// Of which log each of them is: the same length of another log is another one, since friction has its own level.
+    of_log: Vec<u32>,
     /// Which of them follows a sample.
     pub serves: Vec<u32>,
     /// Steps taken per interval.
@@ -55,12 +57,52 @@ impl Grid {
         let mut sorted: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         sorted.sort_by(f64::total_cmp);
         let typical = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
-        Self { intervals, serves, per_interval: 1, micro_steps, method: None, lead_s: 0.0, typical }
+        Self {
+            of_log: vec![0; intervals.len()],
+            intervals,
+            serves,
+            per_interval: 1,
+            micro_steps,
+            method: None,
+            lead_s: 0.0,
+            typical,
+        }
     }
 
     /// Of other sample times, with steps as here.
     pub fn over(&self, time_s: &[f64]) -> Self {
         Self { method: self.method, lead_s: self.lead_s, ..Self::new(time_s, self.micro_steps) }
+    }
+
+    /// The same of several logs: by sample, which it is of.
+    pub fn of_logs(self, log_of: impl Fn(usize) -> u32) -> Self {
+        let (mut intervals, mut of_log) = (Vec::new(), Vec::new());
+        let mut known = HashMap::new();
+        let serve = |(k, serves): (usize, &u32)| {
+            let (serves, log) = (*serves, log_of(k));
+            *known.entry((serves, log)).or_insert_with(|| {
+                intervals.push(self.intervals[serves as usize]);
+                of_log.push(log);
+                (intervals.len() - 1) as u32
+            })
+        };
+        let serves = self.serves.iter().enumerate().map(serve).collect();
+        Self { intervals, of_log, serves, ..self }
+    }
+
+    /// How many logs it is of.
+    pub fn logs(&self) -> usize {
+        self.of_log.iter().max().map_or(1, |last| *last as usize + 1)
+    }
+
+    /// Which log a sample is of.
+    pub fn log(&self, k: usize) -> u32 {
+        self.of_log[self.serves[k.min(self.serves.len() - 1)] as usize]
+    }
+
+    /// The distinct intervals, s, and which log each is of.
+    pub fn distinct(&self) -> impl Iterator<Item = (f64, usize)> {
+        self.intervals.iter().zip(&self.of_log).map(|(interval, log)| (*interval, *log as usize))
     }
 
     /// The same of a log whose drive values act this long before their samples, s.
@@ -111,6 +153,10 @@ mod tests {
             let wanted = time[k + 1] - time[k];
             assert!((grid.interval(k) / wanted - 1.0).abs() < 1e-4, "{k}");
         }
+        let logs = Grid::new(&[0.0, 1.0, 2.0, 3.0, 4.0], None).of_logs(|k| u32::from(k >= 2));
+        assert_eq!(logs.distinct().collect::<Vec<_>>(), [(1.0, 0), (1.0, 1)]);
+        assert_eq!([1, 2, 9].map(|k| logs.log(k)), [0, 1, 1]);
+        assert_eq!((logs.logs(), logs.interval(3)), (2, 1.0));
         let regular: Vec<f64> = (0..1000).map(|k| f64::from(k) * 1e-3).collect();
         assert_eq!(Grid::new(&regular, None).intervals.len(), 1);
     }

@@ -11,8 +11,10 @@ mod source;
 mod span;
 mod write;
 
+use std::borrow::Cow;
+
 use joint_core::effect::EffectParameters;
-use joint_core::params::{Load, Motor, Stage};
+use joint_core::params::{Friction, Load, Motor, Stage};
 use serde::{Deserialize, Serialize};
 
 /// What measures the joint.
@@ -56,4 +58,45 @@ pub struct Model {
     pub sensor: Sensor,
     /// Effects beside the plain equations.
     pub effects: Vec<EffectParameters>,
+    /// Of logs that are fitted to together: the level of all friction on the day of each, over that of the first. No
+    /// part of the model's file; a log that is not told has the first one's.
+    pub friction_levels: Vec<f64>,
+}
+
+impl Model {
+    /// The level of all friction on the day of a log, over that of the first.
+    pub fn friction_level(&self, log: usize) -> f64 {
+        self.friction_levels.get(log).copied().unwrap_or(1.0)
+    }
+
+    /// The model on the day of a log.
+    pub fn on_day(&self, log: usize) -> Cow<'_, Self> {
+        match self.friction_level(log) {
+            1.0 => Cow::Borrowed(self),
+            level => Cow::Owned(self.with_friction(level)),
+        }
+    }
+
+    /// The same model with all its friction times a scale: levels, viscous coefficients, bristles alike.
+    pub fn with_friction(&self, scale: f64) -> Self {
+        let mut model = self.clone();
+        let stages = model.stages.iter_mut().map(|stage| &mut stage.friction);
+        for friction in std::iter::once(&mut model.motor.friction).chain(stages) {
+            *friction = Friction {
+                sigma0_nm_per_rad: scale * friction.sigma0_nm_per_rad,
+                sigma1_nm_s_per_rad: scale * friction.sigma1_nm_s_per_rad,
+                sigma2_nm_s_per_rad: scale * friction.sigma2_nm_s_per_rad,
+                coulomb_nm: scale * friction.coulomb_nm,
+                stribeck_nm: scale * friction.stribeck_nm,
+                stribeck_velocity_rad_per_s: friction.stribeck_velocity_rad_per_s,
+            };
+        }
+        model
+    }
+
+    /// Whether anything rubs.
+    pub fn rubs(&self) -> bool {
+        let rubs = |friction: &Friction| friction.coulomb_nm + friction.sigma2_nm_s_per_rad > 0.0;
+        rubs(&self.motor.friction) || self.stages.iter().any(|stage| rubs(&stage.friction))
+    }
 }

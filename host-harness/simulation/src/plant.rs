@@ -4,6 +4,8 @@
 //! the one becomes the other, and where a log's uneven sampling becomes a set of joints, one per
 //! distinct interval of its grid.
 
+use std::borrow::Cow;
+
 use joint_core::angle::Angle;
 use joint_core::effect::{EffectSet, MEMORIES, Memory};
 use joint_core::fixed::Fixed;
@@ -120,20 +122,22 @@ impl<S: Scalar, const N: usize> Built<S, N> {
         let parts = if switched { vec![share, 1.0 - share] } else { vec![1.0] };
         // Where it is the log that leads, by half an interval, what an interval takes is divided.
         let halves = if delay_s == -grid.lead_s { parts.len() as u32 } else { 1 };
-        let stages: [_; N] = std::array::from_fn(|k| model.stages[k]);
+        // A model that many logs share rubs as it did on the day of each.
+        let days: Vec<Cow<'_, Model>> = (0..grid.logs()).map(|log| model.on_day(log)).collect();
         let joints = grid
-            .intervals
-            .iter()
+            .distinct()
             .flat_map(|interval| parts.iter().map(move |part| (interval, part)))
-            .map(|(interval, part)| {
+            .map(|((interval, log), part)| {
+                let Model { motor, stages, load, .. } = &*days[log];
+                let stages: [_; N] = std::array::from_fn(|k| stages[k]);
                 let settings = Settings {
                     drive,
-                    step_s: part * grid.bridged(*interval) / f64::from(grid.per_interval),
-                    micro_steps: grid.micro_steps(*interval).map(|all| all.div_ceil(halves)),
+                    step_s: part * grid.bridged(interval) / f64::from(grid.per_interval),
+                    micro_steps: grid.micro_steps(interval).map(|all| all.div_ceil(halves)),
                     method: grid.method,
                     effects: &effects,
                 };
-                Joint::<S, N, EffectSet<S>>::new(&model.motor, &stages, &model.load, &settings)
+                Joint::<S, N, EffectSet<S>>::new(motor, &stages, load, &settings)
             })
             .collect::<Result<_, _>>()?;
         Ok(Self { joints, serves: grid.serves.clone(), switched })

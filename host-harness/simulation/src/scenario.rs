@@ -32,6 +32,7 @@ pub fn paper() -> Model {
             current_noise_a: 1.5e-3,
         },
         effects: Vec::new(),
+        friction_levels: Vec::new(),
     }
 }
 

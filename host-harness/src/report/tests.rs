@@ -238,7 +238,7 @@ fn every_answer_leads_with_what_its_reader_needs_first() {
 fn a_free_run_that_leaves_the_log_says_so_and_windows_are_drawn() {
     let mut findings = findings(2000);
     // Of a third of the torque constant, nearly without friction, a voltage makes three times the speed.
-    findings.improved = crate::transfer::with_friction(&findings.improved, 0.05);
+    findings.improved = findings.improved.with_friction(0.05);
     findings.improved.motor.torque_constant_nm_per_a *= 0.3;
     let page = html(&findings, &[log()], &source());
     assert!(page.contains("The free run diverges") && page.contains("windows of 100 ms"));

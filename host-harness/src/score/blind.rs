@@ -184,6 +184,7 @@ fn direct() -> Model {
             current_noise_a: 0.006,
         },
         effects: Vec::new(),
+        friction_levels: Vec::new(),
     }
 }
 

@@ -4,8 +4,6 @@
 //! and not of the model, so one scale on all friction is estimated on the record's first seconds. A Coulomb
 //! level or a viscous coefficient alone is erratic, and an offset from one direction is a disaster.
 
-use joint_core::params::Friction;
-
 use super::errors::{Tally, signals};
 use super::run::Runner;
 use crate::log::Log;
@@ -22,23 +20,6 @@ const RANGE: [f64; 2] = [0.5, 2.0];
 const TRIED: usize = 15;
 const ROUNDS: usize = 12;
 
-/// A model with all its friction times a scale: levels, viscous coefficients, bristles alike.
-pub fn with_friction(model: &Model, scale: f64) -> Model {
-    let mut model = model.clone();
-    let stages = model.stages.iter_mut().map(|stage| &mut stage.friction);
-    for friction in std::iter::once(&mut model.motor.friction).chain(stages) {
-        *friction = Friction {
-            sigma0_nm_per_rad: scale * friction.sigma0_nm_per_rad,
-            sigma1_nm_s_per_rad: scale * friction.sigma1_nm_s_per_rad,
-            sigma2_nm_s_per_rad: scale * friction.sigma2_nm_s_per_rad,
-            coulomb_nm: scale * friction.coulomb_nm,
-            stribeck_nm: scale * friction.stribeck_nm,
-            stribeck_velocity_rad_per_s: friction.stribeck_velocity_rad_per_s,
-        };
-    }
-    model
-}
-
 /// The scale that brings the free run of the record's first seconds nearest to the motor's angle, and these
 /// seconds; `None` where the model has no friction or the best scale lies at the end of the range.
 pub(super) fn scale(
@@ -50,14 +31,12 @@ pub(super) fn scale(
     let whole = log.time_s[log.len() - 1] - log.time_s[begin];
     let level_s = LEVEL_S.min(SHARE * whole);
     let end = log.time_s.partition_point(|t| *t <= log.time_s[begin] + level_s);
-    let rubs = |friction: &Friction| friction.coulomb_nm + friction.sigma2_nm_s_per_rad > 0.0;
-    let any = rubs(&model.motor.friction) || model.stages.iter().any(|stage| rubs(&stage.friction));
-    let start = measured.at(begin).filter(|_| any && end > begin + 10);
+    let start = measured.at(begin).filter(|_| model.rubs() && end > begin + 10);
     let Some(start) = start else { return Ok((None, level_s)) };
     let part = part(log, begin..end);
     let signals = &signals(&part)[..1];
     let missed = |scale: f64| -> Result<f64, BuildError> {
-        let model = with_friction(model, scale);
+        let model = model.with_friction(scale);
         let run = Runner::new(&model, &part)?.run(&start, 0..part.len());
         let mut tally = Tally::new(signals);
         tally.add(&part, &(0..part.len()), &run, 0.0);

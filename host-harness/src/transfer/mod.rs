@@ -23,7 +23,6 @@ use crate::start::Measured;
 pub use course::{Course, courses};
 pub use errors::{Errors, Signal};
 use errors::{Tally, signals};
-pub use level::with_friction;
 use run::Runner;
 
 /// Length of the windows from the measured state, s.
@@ -108,12 +107,12 @@ pub fn transfer(model: &Model, log: &Log) -> Result<Transfer, BuildError> {
     }
     let relevelled = match scale {
         Some(scale) => {
-            let run = Runner::new(&with_friction(model, scale), log)?.run(&start, whole.clone());
+            let run = Runner::new(&model.with_friction(scale), log)?.run(&start, whole.clone());
             Some(tallied(&run))
         }
         None => None,
     };
-    let more = Runner::new(&with_friction(model, 1.01), log)?.run(&start, whole.clone());
+    let more = Runner::new(&model.with_friction(1.01), log)?.run(&start, whole.clone());
     let moved = errors::apart(&signals, &plain, &more);
     let (windows, coasting, count) = in_windows(&runner, log, &measured, &signals, begin);
     let resting = errors::resting(&signals, log, &whole);
@@ -146,7 +145,7 @@ pub fn levelled(model: &Model, log: &Log) -> Result<Model, BuildError> {
         return Ok(model.clone());
     };
     let (scale, _) = level::scale(model, log, &measured, begin)?;
-    Ok(scale.map_or_else(|| model.clone(), |scale| with_friction(model, scale)))
+    Ok(scale.map_or_else(|| model.clone(), |scale| model.with_friction(scale)))
 }
 
 /// Errors over windows from the measured state, of the model and of one that goes on at its speed, and how
@@ -212,7 +211,7 @@ mod tests {
     #[test]
     fn another_level_of_friction_is_found_and_taken_out() {
         let truth = actuator();
-        let log = record(&with_friction(&truth, 1.1), &Experiment::clean(2.5), 2).unwrap();
+        let log = record(&truth.with_friction(1.1), &Experiment::clean(2.5), 2).unwrap();
         let told = transfer(&truth, &log).unwrap();
         assert!((told.friction_scale.unwrap() / 1.1 - 1.0).abs() < 0.02, "{told:?}");
         let errors = angle(&told);

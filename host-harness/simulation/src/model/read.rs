@@ -95,6 +95,7 @@ impl Source<'_> {
             load: self.optional(root, "load")?,
             sensor: self.optional(root, "sensor")?,
             effects,
+            friction_levels: Vec::new(),
         })
     }
 

@@ -22,6 +22,7 @@ fn rotor(inertia: f64, friction: Friction) -> Model {
         load: Load::default(),
         sensor: Sensor::default(),
         effects: Vec::new(),
+        friction_levels: Vec::new(),
     }
 }
 

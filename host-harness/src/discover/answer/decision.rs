@@ -106,6 +106,9 @@ mod tests {
             assert_eq!(answered(named, &quiet, &wandering(2.0, 0.7)), told);
             assert_eq!(answered(named, &quiet, &wandering(2.0, 2.0)), Answer::Unknown);
             assert_eq!(answered(named, &quiet, &wandering(0.5, 2.0)), told);
+            let behind = |share| Weighed { white_behind: 9.0, ..wandering(share, 0.7) };
+            assert_eq!(answered(named, &quiet, &behind(2.0)), Answer::Unknown);
+            assert_eq!(answered(named, &quiet, &behind(0.5)), told);
             let sensor = |over| Weighed { of_sensor: true, ..wandering(0.5, over) };
             assert_eq!(answered(named, &quiet, &sensor(2.0)), Answer::Unknown);
             assert_eq!(answered(named, &quiet, &sensor(0.7)), told);

@@ -37,6 +37,7 @@ pub(crate) fn reasons(
             "no listed effect explains what is missing: the best score is {best:.0}, chance is ruled out from {chance:.0} on, and a full refit must keep it"
         ));
     }
+    all.extend(levels(&found.after.fit.model));
     all.extend(friction_shape::told(&found.after.fit.model));
     all.extend(disturbed(&found.after.fit.noise));
     if complaints.is_empty() {
@@ -60,9 +61,21 @@ pub(crate) fn reasons(
     all
 }
 
+/// How hard the joint rubs in each log, where there are several.
+fn levels(model: &Model) -> Option<String> {
+    let other = |(k, level): (usize, &f64)| format!("{level:.3} in log {}", k + 1);
+    let levels: Vec<String> = model.friction_levels.iter().enumerate().skip(1).map(other).collect();
+    (!levels.is_empty()).then(|| {
+        format!(
+            "friction of another level in each log, over that of the first: {}",
+            levels.join(", ")
+        )
+    })
+}
+
 /// That more is left than friction, supply and sensors may scatter by, if it is.
 pub(super) fn unbelievable(weighed: &Weighed) -> Option<String> {
-    let budget = weighed.budget.as_ref().filter(|_| weighed.is_unbelievable())?;
+    let budget = weighed.budget.as_ref().filter(|_| weighed.over_believable > 1.0)?;
     let unit = budget.unit.split(' ').next().unwrap_or_default();
     Some(format!(
         "beside white noise {} RMS are left in the {}, {:.1} times the most that friction, supply and sensors are believed to scatter by",

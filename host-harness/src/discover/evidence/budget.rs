@@ -79,6 +79,9 @@ pub(crate) struct Weighed {
     /// RMS of all that is left beside white noise over the most that is believed of friction, supply and sensors;
     /// zero where nothing could be looked at.
     pub(crate) over_believable: f64,
+    /// White noise that the last mass needs over the most that is believed of friction, where it has one of its own:
+    /// it takes what no state can explain.
+    pub(crate) white_behind: f64,
     /// Whether the equation is what a sensor shows.
     pub(crate) of_sensor: bool,
 }
@@ -95,7 +98,7 @@ fn most_scatter(equation: Equation, expected: &Noise) -> f64 {
 impl Weighed {
     /// Whether more is left than friction, supply and sensors may scatter by: it has a cause that is not known.
     pub(crate) fn is_unbelievable(&self) -> bool {
-        self.over_believable > 1.0
+        self.over_believable > 1.0 || self.white_behind > 1.0
     }
 }
 
@@ -143,9 +146,10 @@ pub(crate) fn weigh(
     let budget = split(&gone, white, unnamed.as_ref(), blocks_length(&blocks), drive);
     let (equation, unit) = title(walk.equation, record.drive, after.model.stages.len());
     let over_believable = budget.rms_left / most_scatter(walk.equation, expected);
+    let white_behind = after.noise.output_times(expected) / TORQUE_RATIO;
     let of_sensor = walk.equation.is_of_a_sensor();
     let budget = Some(Budget { equation, unit: unit.to_owned(), ..budget });
-    Ok(Weighed { budget, shares, over_believable, of_sensor })
+    Ok(Weighed { budget, shares, over_believable, white_behind, of_sensor })
 }
 
 /// Quantities that laws are proportional to: current, speed, voltage.

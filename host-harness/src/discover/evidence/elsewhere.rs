@@ -87,7 +87,7 @@ mod tests {
         let without = trial::fitted(&problem, &nominal, &[]);
         let with = trial::fitted(&problem, &Model { effects: vec![line], ..nominal }, &[]);
         let experiment = Experiment { duration_s: 1.0, ..Experiment::default() };
-        let other = record(&crate::transfer::with_friction(truth, 1.1), &experiment, 9).unwrap();
+        let other = record(&truth.with_friction(1.1), &experiment, 9).unwrap();
         let elsewhere = Elsewhere::new(&other, &like, (60_000, 2)).unwrap();
         let expected = noise::expected(&trial::motor(), &elsewhere.record);
         elsewhere.asked([&without.fit, &with.fit], &expected).unwrap()

@@ -45,6 +45,7 @@ fn rotor(inertia: f64) -> Model {
         load: Load::default(),
         sensor: Sensor::default(),
         effects: Vec::new(),
+        friction_levels: Vec::new(),
     }
 }
 
