@@ -113,6 +113,27 @@ mod tests {
     use joint_simulation::plant::{Layout, plant};
 
     #[test]
+    fn a_measured_current_acts_around_its_sample_and_one_that_acts_late_around_later() {
+        let mut model = actuator();
+        let log = Log {
+            time_s: (0..4).map(|k| f64::from(k) * 1e-3).collect(),
+            current_a: Some(vec![1.0, 2.0, 3.0, 4.0]),
+            motor_angle_rad: vec![0.0; 4],
+            ..Log::default()
+        };
+        let record = Record::new(&log, None);
+        let drives = |model: &Model, record: &Record| Late::of(model, record).drives(record, 1);
+        assert_eq!(drives(&model, &record), [2.0, 2.0]);
+        assert_eq!(drives(&model, &record.centred()), [2.0, 3.0]);
+        assert_eq!(drives(&model, &record.centred().commanded()), [2.0, 2.0]);
+        let late = EffectParameters::new(Kind::InputDelay, Location::Inverter);
+        model.effects.push(late.with("delay_s", 0.75e-3));
+        // A quarter of an interval late in all.
+        let [before, after] = drives(&model, &record.centred());
+        assert!((before - 1.0).abs() + (after - 2.0).abs() < 1e-9, "{before} {after}");
+    }
+
+    #[test]
     fn a_filter_knows_that_a_late_channel_shows_the_speed() {
         let mut model = actuator();
         let late = EffectParameters::new(Kind::SensorDelay, Location::OutputEncoder);

@@ -145,6 +145,8 @@ pub(super) fn summary(findings: &Findings) -> String {
             "unknown: what follows was found, but something else is missing as well\n".to_owned()
         }
     };
+    let elsewhere =
+        |t: Option<f64>| t.map_or(String::new(), |t| format!(", t {t:.1} on other records"));
     for effect in &verdict.effects {
         let values: Vec<String> = effect
             .parameters
@@ -162,15 +164,18 @@ pub(super) fn summary(findings: &Findings) -> String {
             effect.confidence,
             100.0 * effect.share,
             100.0 * effect.share_error,
-            effect.transfer_t.map_or(String::new(), |t| format!(", t {t:.1} on other records")),
+            elsewhere(effect.transfer_t),
             values.join(", ")
         );
     }
     for effect in &verdict.possible {
         let _ = writeln!(
             text,
-            "  possible, not added: {} ({}), confidence {:.2}",
-            effect.kind, effect.location, effect.confidence
+            "  possible, not added: {} ({}), confidence {:.2}{}",
+            effect.kind,
+            effect.location,
+            effect.confidence,
+            elsewhere(effect.transfer_t)
         );
     }
     for map in &verdict.unnamed {

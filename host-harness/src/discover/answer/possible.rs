@@ -16,7 +16,12 @@ use crate::discover::state::search::Search;
 pub(crate) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
     let mut told: Vec<(Kind, Location)> = found.rounds.iter().map(|round| round.name).collect();
     let mut all = Vec::new();
-    for (contender, stage) in found.unconfirmed.iter().chain(&found.deferred) {
+    let unconfirmed = found
+        .unconfirmed
+        .iter()
+        .map(|own| (&own.contender, &own.stage, own.unseen_t, own.transfer_t));
+    let deferred = found.deferred.iter().map(|(contender, stage)| (contender, stage, 0.0, None));
+    for (contender, stage, unseen_t, transfer_t) in unconfirmed.chain(deferred) {
         let model = &stage.fit.model;
         let named = |effect: &&EffectParameters| (effect.kind, effect.location) == contender.name;
         let Some(effect) = model.effects.iter().rfind(named) else { continue };
@@ -36,8 +41,8 @@ pub(crate) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
             confidence: UNCONFIRMED * stays_ahead,
             share: 0.0,
             share_error: 0.0,
-            unseen_t: 0.0,
-            transfer_t: None,
+            unseen_t,
+            transfer_t,
             gain: contender.gain,
             stays_ahead,
             rivals: Vec::new(),
@@ -101,6 +106,7 @@ mod tests {
         wrong.after.fit.model.effects[0].values[1] *= -1.0;
         keep_confirmed(&problem, &mut wrong, (&tested, &[]), true).unwrap();
         assert!(wrong.rounds.is_empty() && wrong.after.fit.model.effects.is_empty());
-        assert_eq!(possible(&wrong, &mask)[0].kind, "cogging");
+        let possible = possible(&wrong, &mask);
+        assert!(possible[0].kind == "cogging" && possible[0].unseen_t < 0.0);
     }
 }

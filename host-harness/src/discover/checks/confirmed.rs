@@ -1,21 +1,22 @@
 //! Whether samples that no fit has seen confirm every effect, given all the others.
 
 use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::elimination::bare;
-use crate::discover::bounds::SIGMAS;
+use crate::discover::bounds::{BY_CHANCE, SIGMAS};
 use crate::discover::evidence::elsewhere::{Elsewhere, together};
 use crate::discover::evidence::unseen::{Unseen, unseen};
 use crate::discover::state::rounds::Contender;
-use crate::discover::state::search::Search;
+use crate::discover::state::search::{Search, Unconfirmed};
 use crate::discover::state::stage::Stage;
 use crate::estimate::fit::Problem;
 use crate::plant::BuildError;
 
 /// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
 /// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
-/// a disturbance, which makes likelihoods of what imitates it, to come nearer as well, beyond the standard error; not
-/// so of an effect that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
+/// a disturbance, which makes likelihoods of what imitates it, to come nearer as well, by more standard errors than one
+/// of all hypotheses would by chance; not so of an effect that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -25,12 +26,14 @@ pub(crate) fn keep_confirmed(
     (tested, others): (&[bool], &[Elsewhere]),
     noise: bool,
 ) -> Result<Vec<Witnessed>, BuildError> {
+    let tried = found.scores.iter().filter(|row| row.round == 1).count().max(1);
+    let by_chance = Normal::standard().inverse_cdf(1.0 - BY_CHANCE / tried as f64);
     loop {
         let asked = asked(problem, found, tested, others)?;
         let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
         let short = |k: usize, own: &Witnessed| match certain(k) {
-            false if disturbed => own.least().min(own.unseen.nearer - SIGMAS),
+            false if disturbed => own.least().min(own.unseen.nearer - by_chance),
             false if !noise => own.least(),
             _ => own.least() + SIGMAS,
         };
@@ -38,11 +41,14 @@ pub(crate) fn keep_confirmed(
         let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(asked.into_iter().map(|(own, _)| own).collect());
         };
-        let without = asked.into_iter().nth(k).map(|(_, without)| without);
+        let Some((own, without)) = asked.into_iter().nth(k) else { return Ok(Vec::new()) };
         let round = found.rounds.remove(k);
-        let contender = Contender { name: round.name, gain: round.gain };
-        found.unconfirmed.push((contender, found.after.clone()));
-        found.after = without.unwrap_or_else(|| found.before.clone());
+        found.unconfirmed.push(Unconfirmed {
+            contender: Contender { name: round.name, gain: round.gain },
+            stage: std::mem::replace(&mut found.after, without),
+            unseen_t: own.unseen.t,
+            transfer_t: own.elsewhere,
+        });
     }
 }
 

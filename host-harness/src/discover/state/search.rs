@@ -38,12 +38,25 @@ pub(crate) struct Search {
     pub(crate) settled: Option<f64>,
     /// The best of the weak names that no unseen sample confirms: a deferred hypothesis.
     pub(crate) deferred: Option<(Contender, Stage)>,
-    /// Names that unseen samples did not confirm, each with the model that had it.
-    pub(crate) unconfirmed: Vec<(Contender, Stage)>,
+    /// Names that unseen samples did not confirm.
+    pub(crate) unconfirmed: Vec<Unconfirmed>,
     /// The name that was beaten by a little in the first round.
     pub(crate) close_second: Option<CloseSecond>,
     /// Where a person reads what is tried.
     pub(crate) bar: ProgressBar,
+}
+
+/// A name that unseen samples did not confirm.
+#[derive(Clone, Debug)]
+pub(crate) struct Unconfirmed {
+    /// The name.
+    pub(crate) contender: Contender,
+    /// The model that had it.
+    pub(crate) stage: Stage,
+    /// The t of the logs' own unseen samples.
+    pub(crate) unseen_t: f64,
+    /// That of the other records; `None` where there are none.
+    pub(crate) transfer_t: Option<f64>,
 }
 
 /// A name that was beaten by a little, and the model with it.
