@@ -15,8 +15,8 @@ use crate::plant::BuildError;
 
 /// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
 /// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
-/// a disturbance, which makes likelihoods of what imitates it, to come nearer as well, by more standard errors than one
-/// of all hypotheses would by chance; not so of an effect that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
+/// a disturbance, which makes likelihoods of what imitates it, to come nearer as well, one of the two by more standard
+/// errors than one of all hypotheses would by chance; not so of an effect that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -33,7 +33,11 @@ pub(crate) fn keep_confirmed(
         let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
         let short = |k: usize, own: &Witnessed| match certain(k) {
-            false if disturbed => own.least().min(own.unseen.nearer - by_chance),
+            false if disturbed => {
+                let both = [own.least(), own.unseen.nearer];
+                let [least, most] = [f64::min, f64::max].map(|of| of(both[0], both[1]));
+                least.min(most - by_chance)
+            }
             false if !noise => own.least(),
             _ => own.least() + SIGMAS,
         };
