@@ -16,7 +16,8 @@ use crate::plant::BuildError;
 /// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
 /// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
 /// a disturbance, which makes likelihoods of what imitates it, to come nearer as well, one of the two by more standard
-/// errors than one of all hypotheses would by chance; not so of an effect that a regression is certain of. Answers with what those samples, and the other records, say of the rest.
+/// errors than one of all hypotheses would by chance; not so of an effect that a regression is certain of. Answers
+/// with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
