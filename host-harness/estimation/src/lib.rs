@@ -20,6 +20,7 @@ pub mod gram;
 pub mod interrupt;
 mod keep;
 pub mod late;
+mod motion;
 pub mod noise;
 pub mod parameters;
 mod pass;
