@@ -13,9 +13,12 @@ use host_harness::output::OutDir;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Kills of runs that write a file, and of runs that write a folder.
-const KILLS_OF_FILES: usize = 160;
-const KILLS_OF_FOLDERS: usize = 40;
+/// Runs that died, of those that write a file and of those that write a folder.
+const KILLS_OF_FILES: usize = 80;
+const KILLS_OF_FOLDERS: usize = 20;
+
+/// Runs at most for each that dies: a run that ends before its kill makes the next kill come sooner.
+const RUNS_PER_KILL: usize = 20;
 
 fn joint(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_joint"));
@@ -30,13 +33,35 @@ fn whole(folder: &Path, arguments: &[&str]) -> Duration {
     began.elapsed()
 }
 
-/// Runs a command and kills it somewhere in the time that it takes, the more often the nearer its end.
-fn killed(folder: &Path, arguments: &[&str], takes: Duration, random: &mut ChaCha8Rng) -> bool {
-    let mut child = joint(folder, arguments);
-    std::thread::sleep(takes.mul_f64(random.random_range(0.0_f64..1.0).sqrt()));
-    let died = child.kill().is_ok();
-    let status = child.wait().unwrap();
-    died && !status.success()
+/// Kills runs, the more often the nearer their end.
+struct Killer {
+    /// How long a run takes, longer after each that died and shorter after each that ended.
+    takes: Duration,
+    random: ChaCha8Rng,
+    runs: usize,
+    kills: usize,
+}
+
+impl Killer {
+    fn new(takes: Duration, seed: u64) -> Self {
+        Self { takes, random: ChaCha8Rng::seed_from_u64(seed), runs: 0, kills: 0 }
+    }
+
+    /// Whether another run is due for so many kills.
+    fn goes_on(&self, kills: usize) -> bool {
+        assert!(self.runs < RUNS_PER_KILL * kills, "{} of {} runs died", self.kills, self.runs);
+        self.kills < kills
+    }
+
+    fn kill(&mut self, folder: &Path, arguments: &[&str]) {
+        let mut child = joint(folder, arguments);
+        std::thread::sleep(self.takes.mul_f64(self.random.random_range(0.0_f64..1.0).sqrt()));
+        let _ = child.kill();
+        let died = !child.wait().unwrap().success();
+        self.takes = self.takes.mul_f64(if died { 1.1 } else { 0.9 });
+        self.runs += 1;
+        self.kills += usize::from(died);
+    }
 }
 
 fn log(samples: usize) -> String {
@@ -75,15 +100,16 @@ fn a_file_of_results_survives_every_kill() {
         (takes, fs::read(&out).unwrap())
     });
     assert_ne!(a, b);
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let (mut kills, mut absent_kept) = (0, 0);
-    for k in 0..KILLS_OF_FILES {
+    let mut killer = Killer::new(takes, 1);
+    let mut absent_kept = 0;
+    while killer.goes_on(KILLS_OF_FILES) {
+        let k = killer.runs;
         let fresh = k % 4 == 3;
         if fresh {
             let _ = fs::remove_file(&out);
         }
         let model = if k % 2 == 0 { "a.toml" } else { "b.toml" };
-        kills += usize::from(killed(&folder, &run(model), takes, &mut random));
+        killer.kill(&folder, &run(model));
         match fs::read(&out) {
             Ok(found) => assert!(found == a || found == b, "half a file after kill {k}"),
             Err(error) => {
@@ -93,8 +119,8 @@ fn a_file_of_results_survives_every_kill() {
             }
         }
     }
-    println!("{kills} of {KILLS_OF_FILES} runs died, {absent_kept} left nothing where nothing was");
-    assert!(kills > KILLS_OF_FILES / 4);
+    println!("{} runs, {absent_kept} left nothing where nothing was", killer.runs);
+    assert!(absent_kept > 0);
 }
 
 #[test]
@@ -111,11 +137,11 @@ fn a_folder_of_results_survives_every_kill() {
     });
     assert_ne!(a, b);
     fs::write(out.join("notes.txt"), "mine").unwrap();
-    let mut random = ChaCha8Rng::seed_from_u64(2);
-    let mut kills = 0;
-    for k in 0..KILLS_OF_FOLDERS {
+    let mut killer = Killer::new(takes, 2);
+    while killer.goes_on(KILLS_OF_FOLDERS) {
+        let k = killer.runs;
         let model = if k % 2 == 0 { "a.toml" } else { "b.toml" };
-        kills += usize::from(killed(&folder, &run(model), takes, &mut random));
+        killer.kill(&folder, &run(model));
         // What the next run does first, whatever it is.
         drop(OutDir::new(&out, true).unwrap());
         let found = both();
@@ -128,8 +154,7 @@ fn a_folder_of_results_survives_every_kill() {
             [".joint-files", "identify.json", "model.toml", "notes.txt", "report.html"]
         );
     }
-    println!("{kills} of {KILLS_OF_FOLDERS} runs died");
-    assert!(kills > KILLS_OF_FOLDERS / 4);
+    println!("{} runs", killer.runs);
 }
 
 /// A file system of so many bytes, unmounted at the end.
