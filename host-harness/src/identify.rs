@@ -55,13 +55,14 @@ pub fn identified(
     let (record, mut fit) = asked(model, record, &mask, fitted)?;
     let problem = Problem::new(&record, &mask).cautious();
     let Some(window_s) = window_s else {
+        fit.model = record.timed(fit.model);
         let rows = rows(model, &fit, &problem.covariance(&fit));
         return Ok(Identified { rows, fit, record, simulated: None });
     };
     fit.coordinates.extend(simulation::of_effects(model));
     let starts = [fit.model.clone(), model.clone()];
     let simulated = simulation::fit(&record, model, &starts, &fit.coordinates, window_s)?;
-    fit.model = simulated.model.clone();
+    fit.model = record.timed(simulated.model.clone());
     let rows = rows(model, &fit, &simulated.covariance);
     Ok(Identified { rows, fit, record, simulated: Some((simulated, window_s)) })
 }

@@ -108,7 +108,7 @@ fn a_file_of_results_survives_every_kill() {
         if fresh {
             let _ = fs::remove_file(&out);
         }
-        let model = if k % 2 == 0 { "a.toml" } else { "b.toml" };
+        let model = if k.is_multiple_of(2) { "a.toml" } else { "b.toml" };
         killer.kill(&folder, &run(model));
         match fs::read(&out) {
             Ok(found) => assert!(found == a || found == b, "half a file after kill {k}"),
@@ -140,7 +140,7 @@ fn a_folder_of_results_survives_every_kill() {
     let mut killer = Killer::new(takes, 2);
     while killer.goes_on(KILLS_OF_FOLDERS) {
         let k = killer.runs;
-        let model = if k % 2 == 0 { "a.toml" } else { "b.toml" };
+        let model = if k.is_multiple_of(2) { "a.toml" } else { "b.toml" };
         killer.kill(&folder, &run(model));
         // What the next run does first, whatever it is.
         drop(OutDir::new(&out, true).unwrap());

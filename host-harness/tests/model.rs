@@ -265,6 +265,7 @@ prop_compose! {
                 motor_encoder_counts_per_rev: sensor[1],
                 output_encoder_counts_per_rev: sensor[2],
                 current_noise_a: sensor[3],
+                ..Sensor::default()
             },
             effects,
             friction_levels: Vec::new(),

@@ -279,6 +279,12 @@ impl Record {
         self.grid.lead_s
     }
 
+    /// A model that was fitted to this record, which says how the record's input was taken.
+    pub fn timed(&self, mut model: Model) -> Model {
+        model.sensor.current_is_measured = self.lead_s() > 0.0;
+        model
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()

@@ -13,6 +13,7 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 
+use crate::grid::Grid;
 use crate::model::Model;
 
 /// What drives a joint over a record: sample `k` is held from `time_s[k]` to `time_s[k + 1]`.
@@ -116,7 +117,7 @@ impl Inputs {
     /// log; `None` where they are the same.
     pub fn acting(&self, model: &Model) -> Option<(Self, Vec<usize>)> {
         let constant = filtered_s(model, self.drive);
-        let delay = delay_s(&model.effects);
+        let delay = delay_s(&model.effects) - self.lead_s(model);
         if constant == 0.0 && delay == 0.0 {
             return None;
         }
@@ -138,6 +139,16 @@ impl Inputs {
             add(*time, last, last);
         }
         Some((acting, samples))
+    }
+
+    /// How long before its sample a value begins to act, s: half a typical interval where it was measured.
+    fn lead_s(&self, model: &Model) -> f64 {
+        match self.drive {
+            Drive::Current if model.sensor.current_is_measured => {
+                0.5 * Grid::new(&self.time_s, None).typical_interval()
+            }
+            _ => 0.0,
+        }
     }
 
     fn none() -> Self {
@@ -236,5 +247,23 @@ mod tests {
         assert_eq!(acting.drive_values[..7], [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0]);
         assert_eq!(at_samples(acting.time_s, &samples), TIMES);
         assert!(inputs.acting(&actuator()).is_none());
+    }
+
+    #[test]
+    fn a_measured_current_acts_half_an_interval_earlier_and_a_voltage_does_not() {
+        let mut model = actuator();
+        model.sensor.current_is_measured = true;
+        let values = vec![1.0, 2.0, 3.0, 4.0, 5.0];
+        let of = |drive| Inputs {
+            time_s: TIMES.to_vec(),
+            drive,
+            drive_values: values.clone(),
+            load_nm: vec![0.0; 5],
+        };
+        assert!(of(Drive::Voltage).acting(&model).is_none());
+        let (acting, samples) = of(Drive::Current).acting(&model).unwrap();
+        assert_eq!(acting.time_s, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]);
+        assert_eq!(acting.drive_values, [1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 5.0, 5.0]);
+        assert_eq!(at_samples(acting.time_s, &samples), TIMES);
     }
 }

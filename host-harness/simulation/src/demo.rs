@@ -45,6 +45,7 @@ pub fn actuator() -> Model {
             motor_encoder_counts_per_rev: 16384.0,
             output_encoder_counts_per_rev: 65536.0,
             current_noise_a: 0.02,
+            ..Sensor::default()
         },
         effects: Vec::new(),
         friction_levels: Vec::new(),

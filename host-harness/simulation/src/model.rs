@@ -29,6 +29,10 @@ pub struct Sensor {
     pub output_encoder_counts_per_rev: f64,
     /// Standard deviation of the current's noise, A.
     pub current_noise_a: f64,
+    /// Whether a log's current, where it is the input, was measured: it then stands for the interval around its
+    /// sample, not for the one behind it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub current_is_measured: bool,
 }
 
 impl Sensor {

@@ -30,6 +30,7 @@ pub fn paper() -> Model {
             motor_encoder_counts_per_rev: 3000.0,
             output_encoder_counts_per_rev: 65536.0,
             current_noise_a: 1.5e-3,
+            ..Sensor::default()
         },
         effects: Vec::new(),
         friction_levels: Vec::new(),

@@ -28,6 +28,7 @@ pub fn model(step_s: f64) -> Model {
         motor_encoder_counts_per_rev: 3000.0,
         output_encoder_counts_per_rev: 65536.0,
         current_noise_a: 1.5e-3,
+        ..Sensor::default()
     };
     Model { sensor, ..paper() }
 }

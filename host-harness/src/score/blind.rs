@@ -182,6 +182,7 @@ fn direct() -> Model {
             motor_encoder_counts_per_rev: 16384.0,
             output_encoder_counts_per_rev: 0.0,
             current_noise_a: 0.006,
+            ..Sensor::default()
         },
         effects: Vec::new(),
         friction_levels: Vec::new(),

@@ -112,8 +112,9 @@ impl Conclusion<'_> {
         Ok(Findings {
             verdict,
             nominal: (*given).clone(),
-            refitted: before.model.clone(),
-            improved: rest.map_or_else(|| after.model.clone(), |rest| rest.stage.fit.model),
+            refitted: record.timed(before.model.clone()),
+            improved: record
+                .timed(rest.map_or_else(|| after.model.clone(), |rest| rest.stage.fit.model)),
             time_s: record.time_s.clone(),
             held_out: split.held_out.clone(),
             before: shown(record, &located.before),
