@@ -102,7 +102,7 @@ pub(crate) fn bare(problem: Problem<'_>, search: &Search, k: usize) -> Result<St
 }
 
 /// The same, content with the first half of the refit where that says enough.
-fn bare_unless(
+pub(crate) fn bare_unless(
     enough: impl Fn(&Fit) -> bool,
     problem: Problem<'_>,
     search: &Search,

@@ -6,9 +6,11 @@
 //! are seen: forward selection, one effect at a time, and backward elimination. The state also takes a part of slow
 //! laws with it: of a model that was inconsistent without one, what it shows is asked without it too.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
-use super::coloured_effects::{eliminate, grow, refitted};
+use super::coloured_effects::{eliminate, grow, needless, refitted};
 use crate::discover::bounds::{CALM, FARTHEST, LEAST_GAIN, LOST};
 use crate::discover::checks::elimination::drop_needless;
 use crate::discover::evidence::budget::FreeRun;
@@ -16,7 +18,7 @@ use crate::discover::evidence::disturbance::{disturbance_of, run_beside};
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::colour::coloured;
-use crate::estimate::filter::{Equation, Noise, Walk};
+use crate::estimate::filter::{Equation, Linearisation, Noise, Walk};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::refit::{cost, polish, polish_on};
 use crate::interrupt;
@@ -47,6 +49,16 @@ pub(crate) fn beside_disturbance(
         return Ok(None);
     }
     let mut other = found.clone();
+    if noise && !none {
+        // What is needed before the rest is refitted beside the disturbance is needed after that.
+        let (along, own) = (Cow::Owned(Linearisation::default()), &mut other.after.fit);
+        own.deviance = problem.deviance_along(&along, &own.model, &disturbance)?;
+        own.noise = disturbance;
+        if needless(&problem, &other)?.is_none() {
+            return Ok(None);
+        }
+        other = found.clone();
+    }
     refitted(&problem, &mut other.after, &found.expected, &disturbance)?;
     if noise && !none {
         eliminate(&problem, &mut other)?;

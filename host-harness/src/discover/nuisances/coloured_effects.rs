@@ -8,10 +8,10 @@ use joint_core::effect::MAX_EFFECTS;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::discover::bounds::{BY_CHANCE, MOST_EFFECTS_DISTURBED};
+use crate::discover::bounds::{BY_CHANCE, FAR_BEHIND, MOST_EFFECTS_DISTURBED};
 use crate::discover::candidates::hypothesis::{Hypothesis, run_through};
 use crate::discover::checks::bootstrap::stays_ahead;
-use crate::discover::checks::elimination::{bare, without};
+use crate::discover::checks::elimination::{bare_unless, without};
 use crate::discover::checks::order::ask_order;
 use crate::discover::proposals::refits::{full, short};
 use crate::discover::proposals::scored::Scored;
@@ -162,26 +162,35 @@ fn bound(free: usize, tried: usize, by_chance: f64) -> f64 {
 
 /// Drops every effect whose loss costs no more than chance, the cheapest first.
 pub(crate) fn eliminate(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
-    let by_chance = search.chance.last().copied().unwrap_or(0.0);
-    while !search.rounds.is_empty() && !interrupt::asked() {
-        let without = (0..search.rounds.len())
-            .into_par_iter()
-            .map(|k| bare(problem.rough(), search, k))
-            .collect::<Result<Vec<_>, BuildError>>()?;
-        let kept = cost(&search.after.fit);
-        let cheapest = without
-            .into_iter()
-            .enumerate()
-            .min_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
-        let Some((k, stage)) = cheapest else { break };
-        let loss = cost(&stage.fit) - kept;
-        if loss >= bound(2, 100, by_chance) || search.measured.contains(&search.rounds[k].name) {
-            break;
-        }
+    while let Some((k, stage)) = needless(problem, search)? {
         search.after = stage;
         search.rounds.remove(k);
     }
     Ok(())
+}
+
+/// The effect whose loss costs least, where that is no more than chance, and what is left without it.
+pub(crate) fn needless(
+    problem: &Problem<'_>,
+    search: &Search,
+) -> Result<Option<(usize, Stage)>, BuildError> {
+    if interrupt::asked() {
+        return Ok(None);
+    }
+    let by_chance = search.chance.last().copied().unwrap_or(0.0);
+    let kept = cost(&search.after.fit);
+    // What is far behind already is needed, however well the rest may still be fitted.
+    let far = |fit: &Fit| cost(fit) - kept > FAR_BEHIND;
+    let without = (0..search.rounds.len())
+        .into_par_iter()
+        .map(|k| Ok((k, bare_unless(far, problem.rough(), search, k)?)))
+        .collect::<Result<Vec<_>, BuildError>>()?;
+    let cheapest = without.into_iter().min_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
+    Ok(cheapest.filter(|(k, stage)| {
+        let loss = cost(&stage.fit) - kept;
+        let chance = loss.is_nan() || loss < bound(2, 100, by_chance);
+        chance && !search.measured.contains(&search.rounds[*k].name)
+    }))
 }
 
 /// Asks for the disturbance again, and refits beside it where it has changed.
