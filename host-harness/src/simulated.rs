@@ -14,12 +14,16 @@ use crate::plant::{Snapshot, StageSnapshot};
 pub fn columns(model: &Model, log: &Log, snapshots: &[Snapshot]) -> Vec<(String, Vec<f64>)> {
     let all = |of: &dyn Fn(&Snapshot) -> f64| snapshots.iter().map(of).collect::<Vec<f64>>();
     let shown = encoders::shown(model, &log.time_s, snapshots);
+    let current = || {
+        let now = all(&|s| s.measured_current_a);
+        encoders::late(&now, &log.time_s, model.sensor.current_delay_s)
+    };
     let mut columns: Vec<(String, Vec<f64>)> = log
         .columns()
         .into_iter()
         .map(|(name, measured)| {
             let values = match name {
-                CURRENT if log.voltage_v.is_some() => all(&|s| s.measured_current_a),
+                CURRENT if log.voltage_v.is_some() => current(),
                 MOTOR_ANGLE => shown.motor.clone(),
                 OUTPUT_ANGLE => shown.output.clone(),
                 _ => measured.to_vec(),

@@ -8,8 +8,8 @@
 
 use std::borrow::Cow;
 
-use joint_core::effect::Kind;
 use joint_core::effect::sensor_delay::delay_s;
+use joint_core::joint::Drive;
 use joint_core::params::Location;
 
 use super::record::{CHANNELS, Channel, Record};
@@ -40,17 +40,23 @@ impl<'a> Late<'a> {
             samples: [0; CHANNELS],
             drives: drives(model, record),
         };
-        if !model.effects.iter().any(|effect| effect.kind == Kind::SensorDelay) {
-            return late;
-        }
         let interval = record.grid.typical_interval();
-        for (channel, encoder) in
-            [(Channel::Motor, Location::Encoder), (Channel::Output, Location::OutputEncoder)]
-        {
-            let samples = (delay_s(&model.effects, encoder) / interval).round();
+        // A current that is the input is late by what acts.
+        let current = match record.drive {
+            Drive::Voltage => model.sensor.current_delay_s,
+            Drive::Current => 0.0,
+        };
+        for (channel, delay) in [
+            (Channel::Current, current),
+            (Channel::Motor, delay_s(&model.effects, Location::Encoder)),
+            (Channel::Output, delay_s(&model.effects, Location::OutputEncoder)),
+        ] {
+            let samples = (delay / interval).round();
             if samples != 0.0 && samples.abs() < record.len() as f64 {
                 let c = channel as usize;
-                late.by[c] += samples * interval;
+                if channel != Channel::Current {
+                    late.by[c] += samples * interval;
+                }
                 late.samples[c] = samples as isize;
                 shift(late.measured.to_mut(), record, c, samples as isize);
             }
@@ -104,7 +110,7 @@ fn shift(measured: &mut [[f64; CHANNELS]], record: &Record, c: usize, samples: i
 
 #[cfg(test)]
 mod tests {
-    use joint_core::effect::EffectParameters;
+    use joint_core::effect::{EffectParameters, Kind};
 
     use super::*;
     use crate::filter::Observer;
@@ -131,6 +137,28 @@ mod tests {
         // A quarter of an interval late in all.
         let [before, after] = drives(&model, &record.centred());
         assert!((before - 1.0).abs() + (after - 2.0).abs() < 1e-9, "{before} {after}");
+    }
+
+    #[test]
+    fn a_current_that_a_log_shows_late_is_taken_to_when_it_flowed_and_an_input_is_not() {
+        let mut model = actuator();
+        model.sensor.current_delay_s = 2e-3;
+        let mut log = Log {
+            time_s: (0..4).map(|k| f64::from(k) * 1e-3).collect(),
+            voltage_v: Some(vec![0.5; 4]),
+            current_a: Some(vec![1.0, 2.0, 3.0, 4.0]),
+            motor_angle_rad: vec![0.0, 1.0, 2.0, 3.0],
+            ..Log::default()
+        };
+        let shown = |log: &Log| {
+            let record = Record::new(log, None);
+            let late = Late::of(&model, &record);
+            late.measured.iter().map(|row| (row[0], row[1])).collect::<Vec<_>>()
+        };
+        assert_eq!(shown(&log)[..2], [(3.0, 0.0), (4.0, 1.0)]);
+        assert!(shown(&log)[2].0.is_nan() && shown(&log)[2].1 == 2.0);
+        log.voltage_v = None;
+        assert_eq!(Late::of(&model, &Record::new(&log, None)).samples, [0; CHANNELS]);
     }
 
     #[test]

@@ -33,16 +33,24 @@ pub struct Sensor {
     /// sample, not for the one behind it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub current_is_measured: bool,
+    /// How late a log shows the current, where a voltage drives the joint, s: whole samples.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub current_delay_s: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Sensor {
     /// The values by key.
-    fn entries(&self) -> [(&'static str, f64); 4] {
+    fn entries(&self) -> [(&'static str, f64); 5] {
         [
             ("sample_time_s", self.sample_time_s),
             ("motor_encoder_counts_per_rev", self.motor_encoder_counts_per_rev),
             ("output_encoder_counts_per_rev", self.output_encoder_counts_per_rev),
             ("current_noise_a", self.current_noise_a),
+            ("current_delay_s", self.current_delay_s),
         ]
     }
 }

@@ -100,14 +100,19 @@ impl<'a> Runner<'a> {
     /// What the encoders and the current sensor show of states, late ones included.
     fn shown(&self, states: &[Vec<f64>], range: Range<usize>) -> Vec<Shown> {
         let snapshots: Vec<Snapshot> = states.iter().map(|state| self.snapshot(state)).collect();
-        let angles = encoders::shown(self.model, &self.time_s[range], &snapshots);
-        let each = angles.motor.into_iter().zip(angles.output).zip(states);
-        each.map(|((motor_rad, output_rad), state)| Shown {
-            motor_rad,
-            output_rad,
-            current_a: self.driven.measured_current(state[Layout::CURRENT], &self.memory(state)),
-        })
-        .collect()
+        let time_s = &self.time_s[range];
+        let angles = encoders::shown(self.model, time_s, &snapshots);
+        let current = |state: &Vec<f64>| {
+            self.driven.measured_current(state[Layout::CURRENT], &self.memory(state))
+        };
+        let currents: Vec<f64> = states.iter().map(current).collect();
+        let currents = match self.inputs.drive {
+            Drive::Voltage => encoders::late(&currents, time_s, self.model.sensor.current_delay_s),
+            Drive::Current => currents,
+        };
+        let each = angles.motor.into_iter().zip(angles.output).zip(currents);
+        each.map(|((motor_rad, output_rad), current_a)| Shown { motor_rad, output_rad, current_a })
+            .collect()
     }
 
     /// What the effects remember in a state.

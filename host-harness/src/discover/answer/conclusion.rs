@@ -202,7 +202,7 @@ impl Conclusion<'_> {
         (logs, samples): (&[Log], usize),
     ) -> Vec<String> {
         let record = &self.stepped.record;
-        let mut reasons = reasons(self.found, record, gap, complaints);
+        let mut reasons = reasons(self.found, (self.given, record), gap, complaints);
         let all: usize = logs.iter().map(Log::len).sum();
         if all > samples {
             let silent = all - samples;

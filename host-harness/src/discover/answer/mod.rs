@@ -37,7 +37,7 @@ use super::checks::constant_torque::ask_constant;
 use super::checks::gear_or_encoder::ask_encoder;
 use super::error::DiscoverError;
 use super::evidence::excitation::cannot_tell;
-use super::nuisances::timing::search_timed;
+use super::nuisances::timing::{Timed, search_timed};
 use crate::estimate::fit::Problem;
 use crate::estimate::record::Record;
 use crate::interrupt;
@@ -105,7 +105,9 @@ pub fn discover_beside(
     let known = (withdrawn, &measured[..]);
 
     // Steps 1 to 4: the nominal refitted, hypotheses scored, the best refitted in full.
-    let (record, found) = search_timed(record, &split.fitted, nominal, known, bar)?;
+    let Timed { record, late, found } = search_timed(record, &split.fitted, nominal, known, bar)?;
+    let given = nominal;
+    let nominal = late.as_ref().unwrap_or(nominal);
     let problem = Problem::new(&record, &split.fitted);
     let mut explained = Explained::of(problem, nominal, found, known, bar)?;
     let stepped = explained.step(record, micro_steps, &split)?;
@@ -119,7 +121,6 @@ pub fn discover_beside(
     // Steps 6 to 8, and 11: whether the rest is noise, the gap, where it is, and what to measure next.
     bar.set_message("locating what is left, and what to measure next");
     let Explained { shape, found, left } = &explained;
-    let given = nominal;
     let nominal = shape.as_ref().unwrap_or(nominal);
     let located = Located::of((&stepped, &split), found, nominal, micro_steps)?;
     // Steps 9 and 10: what was found in proportion, and the answer.

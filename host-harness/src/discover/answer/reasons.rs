@@ -4,7 +4,7 @@
 use super::findings::Gap;
 use super::force_error::relative_force_error;
 use crate::discover::evidence::budget::Weighed;
-use crate::discover::nuisances::friction_shape;
+use crate::discover::nuisances::{friction_shape, late_current};
 use crate::discover::state::rounds::{Round, title};
 use crate::discover::state::search::Search;
 use crate::estimate::filter::{Disturbed, Noise};
@@ -16,12 +16,13 @@ use crate::plot::text::si;
 /// Why the answer is what it is, in the order in which it was found.
 pub(crate) fn reasons(
     found: &Search,
-    record: &Record,
+    (given, record): (&Model, &Record),
     gap: &Gap,
     complaints: &[String],
 ) -> Vec<String> {
     let mut all = explained(&found.rounds);
     all.extend(timing::told(record).map(str::to_owned));
+    all.extend(late_current::told(given, &found.after.fit.model));
     let constant = found.constant.and_then(|constant| {
         let own = found.rounds.iter().find(|round| round.name.0 == constant.of)?;
         Some(constant.told(own.gain))

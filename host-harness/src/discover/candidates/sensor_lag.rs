@@ -52,6 +52,11 @@ fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     .collect()
 }
 
+/// Whether an effect is a filter of the current.
+pub(crate) fn is_of_the_current(effect: &EffectParameters) -> bool {
+    effect.kind == Kind::SensorLag && effect.location == Location::CurrentSensor
+}
+
 fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
     let constant = 8.0 * joint.size * joint.sample_time_s;
     let lag = EffectParameters::new(Kind::SensorLag, Location::CurrentSensor);

@@ -6,4 +6,5 @@
 pub(crate) mod coloured;
 mod coloured_effects;
 pub(crate) mod friction_shape;
+pub(crate) mod late_current;
 pub(crate) mod timing;

@@ -10,12 +10,14 @@ use indicatif::ProgressBar;
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 
+use super::late_current::late_current;
 use crate::discover::bounds::WEAK;
 use crate::discover::candidates::input_delay::late;
 use crate::discover::candidates::sensor_delay::late_encoders;
 use crate::discover::proposals::score_test::ScoreTest;
 use crate::discover::search::search;
 use crate::discover::state::search::Search;
+use crate::discover::state::stage::Stage;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::Record;
 use crate::estimate::refit::{cost, refit};
@@ -25,9 +27,19 @@ use crate::interrupt;
 use crate::model::Model;
 use crate::plant::BuildError;
 
+/// What a search found, and how it took the log.
+pub(crate) struct Timed {
+    /// The record as the search took it.
+    pub(crate) record: Record,
+    /// The nominal with the delay of the current that the log shows, where there is one.
+    pub(crate) late: Option<Model>,
+    /// What was found.
+    pub(crate) found: Search,
+}
+
 /// Searches a record by its `fitted` samples, and again with the current taken as measured where the
 /// first search names more than one delay; keeps the likelier answer, where a name that is weak beside
-/// the other search's answer does not count. Gives the record as that search took it.
+/// the other search's answer does not count.
 ///
 /// # Errors
 /// The nominal cannot be built.
@@ -37,7 +49,7 @@ pub(crate) fn search_timed(
     nominal: &Model,
     known: (&[Kind], &[EffectParameters]),
     bar: &ProgressBar,
-) -> Result<(Record, Search), BuildError> {
+) -> Result<Timed, BuildError> {
     bar.set_message("fitting the parameters of the given model");
     let refitted = |record: &Record| {
         let scout = Scout::of(record, fitted, nominal);
@@ -54,23 +66,58 @@ pub(crate) fn search_timed(
             (record, fit) = (centred, again);
         }
     }
+    if record.drive == Drive::Voltage {
+        let scout = Scout::of(&record, fitted, nominal);
+        let problem = Problem::new(&record, fitted).scouted(scout.as_ref());
+        let (late, found) = searched_late(problem, nominal, fit, known, bar)?;
+        return Ok(Timed { record, late, found });
+    }
     let searched = |record: &Record, fit| {
         let scout = Scout::of(record, fitted, nominal);
         let problem = Problem::new(record, fitted).scouted(scout.as_ref());
         search(problem, nominal, fit, known, bar)
     };
-    let found = searched(&record, fit)?;
-    let asked = record.drive == Drive::Voltage || record.lead_s() > 0.0;
-    if asked || delays(&found) < 2 || interrupt::asked() {
-        return Ok((record, found));
+    let (found, late) = (searched(&record, fit)?, None);
+    if record.lead_s() > 0.0 || delays(&found) < 2 || interrupt::asked() {
+        return Ok(Timed { record, late, found });
     }
     let centred = record.centred();
     let fit = refitted(&centred)?;
     let again = searched(&centred, fit)?;
     Ok(match weight(&again) < weight(&found) && !interrupt::asked() {
-        true => (centred, again),
-        false => (record, found),
+        true => Timed { record: centred, late, found: again },
+        false => Timed { record, late, found },
     })
+}
+
+/// Searches from a nominal's fit, and again from the nominal with a delay of the current that its fit or what was found
+/// shows. Gives that nominal, where its answer is the likelier one.
+fn searched_late(
+    problem: Problem<'_>,
+    nominal: &Model,
+    fit: Fit,
+    known: (&[Kind], &[EffectParameters]),
+    bar: &ProgressBar,
+) -> Result<(Option<Model>, Search), BuildError> {
+    let plain = Stage { fit, origin: nominal.clone() };
+    if let Some(late) = late_current(&problem, nominal, &plain)? {
+        let (shown, fit) = late.refitted(&problem, nominal)?;
+        let found = search(problem, &shown, fit, known, bar)?;
+        return Ok((Some(shown), found));
+    }
+    let found = search(problem, nominal, plain.fit, known, bar)?;
+    let late = match found.rounds.is_empty() {
+        true => None,
+        false => late_current(&problem, nominal, &found.after)?,
+    };
+    if let Some(late) = late {
+        let (shown, fit) = late.refitted(&problem, nominal)?;
+        let again = search(problem, &shown, fit, known, bar)?;
+        if weight(&again) < weight(&found) && !interrupt::asked() {
+            return Ok((Some(shown), again));
+        }
+    }
+    Ok((None, found))
 }
 
 /// Shares of an interval by which an input is tried to act ahead of its stamp.
@@ -124,7 +171,8 @@ mod tests {
         let mask = vec![1.0; record.len()];
         let half = 0.5 * record.grid.typical_interval();
         let bar = ProgressBar::hidden();
-        let (record, found) = search_timed(record, &mask, &nominal, (&[], &[]), &bar).unwrap();
+        let Timed { record, found, .. } =
+            search_timed(record, &mask, &nominal, (&[], &[]), &bar).unwrap();
         (found, half, record.lead_s())
     }
 

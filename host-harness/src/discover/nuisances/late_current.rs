@@ -1,0 +1,236 @@
+//! A current that a log shows late, beside the voltage that drives the joint.
+//!
+//! Drives report a current some samples after it flowed. That is the log's timing and no effect of the joint, but left
+//! out it is named for one: a filter of the current, a late encoder, a resistance that sags. The refitted nominal, and what
+//! a search has found, are asked whether the log is likelier by far with a current of some samples before; that stands if
+//! no filter of the current and no late input explains the log as well. What is left of a sample is a lag.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::joint::Drive;
+use joint_core::params::Location;
+use rayon::prelude::*;
+
+use crate::discover::bounds::LEAST_GAIN;
+use crate::discover::candidates::hypothesis::{Free, Hypothesis};
+use crate::discover::candidates::input_delay;
+use crate::discover::candidates::sensor_lag::is_of_the_current;
+use crate::discover::state::stage::Stage;
+use crate::estimate::filter::{Linearisation, Noise};
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::noise;
+use crate::estimate::record::Channel;
+use crate::estimate::refit::{self, cost};
+use crate::interrupt;
+use crate::model::Model;
+use crate::plant::BuildError;
+use crate::plot::text::si;
+
+/// Most samples by which a current is asked to be late.
+const MOST: usize = 8;
+/// A lag's parameter.
+const CONSTANT: &str = "time_constant_s";
+/// Lag in samples that what is left of one is begun with.
+const LEFT: f64 = 0.4;
+
+/// How late a log shows the current.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Late {
+    /// Whole samples.
+    samples: usize,
+    /// Time constant of the lag that stands for the rest of a sample, s.
+    lag_s: Option<f64>,
+}
+
+/// How late the current is that a log shows of a joint as `stage` has it, whose last effects but for those of the
+/// nominal a search has found; `None` where it is not.
+///
+/// # Errors
+/// The model cannot be built.
+pub(crate) fn late_current(
+    problem: &Problem<'_>,
+    nominal: &Model,
+    stage: &Stage,
+) -> Result<Option<Late>, BuildError> {
+    let record = problem.record;
+    let open = record.drive == Drive::Voltage && record.has(Channel::Current);
+    let known =
+        nominal.sensor.current_delay_s > 0.0 || nominal.effects.iter().any(is_of_the_current);
+    if !open || known || interrupt::asked() {
+        return Ok(None);
+    }
+    let filtered = stage.fit.model.effects.iter().position(is_of_the_current);
+    let plain = match filtered {
+        Some(place) => unfiltered(stage, place),
+        None => stage.clone(),
+    };
+    let samples = likeliest(problem, &plain.fit)?;
+    if samples == 0 {
+        return Ok(None);
+    }
+    let expected = noise::expected(nominal, record);
+    let interval = record.grid.typical_interval();
+    let tried = |samples: usize, effect: Option<&Hypothesis>| {
+        let fit = contender(problem, &plain, (samples, effect), &expected)?;
+        let lag = fit.model.effects.iter().find(|effect| is_of_the_current(effect));
+        Ok((Late { samples, lag_s: lag.and_then(|lag| lag.get(CONSTANT)) }, cost(&fit)))
+    };
+    let rest = lagging(LEFT, interval);
+    let delayed = [(samples, None), (samples, Some(&rest)), (samples - 1, Some(&rest))];
+    let delayed = delayed.into_par_iter().filter(|(samples, _)| *samples > 0);
+    let delayed = delayed.map(|(samples, rest)| tried(samples, rest));
+    let mut rivals = vec![input_delay::late(samples as f64, interval)];
+    if filtered.is_none() {
+        rivals.push(lagging(samples as f64, interval));
+    }
+    let rivals = rivals.par_iter().map(|rival| tried(0, Some(rival)));
+    let (delayed, rivals) = rayon::join(
+        || delayed.collect::<Result<Vec<_>, BuildError>>(),
+        || rivals.collect::<Result<Vec<_>, BuildError>>(),
+    );
+    let dear = problem.mask.iter().sum::<f64>().max(2.0).ln();
+    let owed = |(late, cost): &(Late, f64)| if late.lag_s.is_some() { cost + dear } else { *cost };
+    let best = delayed?.into_iter().min_by(|a, b| owed(a).total_cmp(&owed(b)));
+    let rival = rivals?.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
+    Ok(best
+        .filter(|(_, best)| best + LEAST_GAIN + dear < cost(&stage.fit) && *best < rival)
+        .map(|(late, _)| late))
+}
+
+impl Late {
+    /// The nominal of a log that shows its current so late, refitted.
+    ///
+    /// # Errors
+    /// The nominal cannot be built.
+    pub(crate) fn refitted(
+        self,
+        problem: &Problem<'_>,
+        nominal: &Model,
+    ) -> Result<(Model, Fit), BuildError> {
+        let interval = problem.record.grid.typical_interval();
+        let mut origin = delayed(nominal, self.samples, interval);
+        let mut moved = refit::coordinates(nominal, problem);
+        if let Some(lag_s) = self.lag_s {
+            let lag = lagging(lag_s / interval, interval);
+            moved.extend(lag.coordinates(origin.effects.len()));
+            origin = lag.added(&origin);
+        }
+        let fit = refit::resettle(problem, &origin, &origin, &moved)?;
+        origin.effects.clone_from(&fit.model.effects);
+        Ok((origin, fit))
+    }
+}
+
+/// The same without its effect at a place.
+fn unfiltered(stage: &Stage, place: usize) -> Stage {
+    let mut plain = stage.clone();
+    plain.origin.effects.remove(place);
+    plain.fit.model.effects.remove(place);
+    let coordinates = stage.fit.coordinates.iter();
+    plain.fit.coordinates = coordinates.filter_map(|it| it.without_effect(place)).collect();
+    plain
+}
+
+/// The samples by which a current that is late makes the log likeliest at a fit; zero where that is not by far.
+fn likeliest(problem: &Problem<'_>, fit: &Fit) -> Result<usize, BuildError> {
+    let ahead = problem.ahead();
+    let interval = problem.record.grid.typical_interval();
+    let tried = (0..=MOST).into_par_iter().map(|samples| {
+        let model = delayed(&fit.model, samples, interval);
+        let deviance = ahead.deviance_along(&Linearisation::default(), &model, &fit.noise)?;
+        Ok((deviance, samples))
+    });
+    let tried = tried.collect::<Result<Vec<_>, BuildError>>()?;
+    let plain = tried[0].0;
+    let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(best.filter(|(deviance, _)| plain - deviance > LEAST_GAIN).map_or(0, |(_, samples)| samples))
+}
+
+fn delayed(model: &Model, samples: usize, interval: f64) -> Model {
+    let mut model = model.clone();
+    model.sensor.current_delay_s = samples as f64 * interval;
+    model
+}
+
+/// A lag of the current of so many samples.
+fn lagging(samples: f64, interval: f64) -> Hypothesis {
+    let constant = samples * interval;
+    let lag = EffectParameters::new(Kind::SensorLag, Location::CurrentSensor);
+    Hypothesis {
+        start: lag.with(CONSTANT, constant),
+        free: vec![Free::Value { value: 0, scale: 0.2 * constant, sigma: 300.0 }],
+    }
+}
+
+/// A fit with the current so many samples late, and with an effect, refitted.
+fn contender(
+    problem: &Problem<'_>,
+    plain: &Stage,
+    (samples, effect): (usize, Option<&Hypothesis>),
+    expected: &Noise,
+) -> Result<Fit, BuildError> {
+    let interval = problem.record.grid.typical_interval();
+    let (mut origin, mut moved) = (plain.origin.clone(), plain.fit.coordinates.clone());
+    let mut start = plain.fit.model.clone();
+    if let Some(effect) = effect {
+        (origin, moved) = plain.widened(effect);
+        start = effect.added(&start);
+    }
+    let [origin, start] = [origin, start].map(|model| delayed(&model, samples, interval));
+    refit::polish(&problem.rough(), &origin, &start, &moved, expected, &plain.fit.noise)
+}
+
+/// How late the current of a model is, in a sentence, of which a log showed it so.
+pub(crate) fn told(nominal: &Model, model: &Model) -> Option<String> {
+    let delay = model.sensor.current_delay_s;
+    (delay != nominal.sensor.current_delay_s).then(|| {
+        let lag = model.effects.iter().find(|effect| is_of_the_current(effect));
+        let left = lag.and_then(|lag| lag.get(CONSTANT)).unwrap_or(0.0);
+        format!(
+            "i_a is shown {} after it flowed: the model's current sensor has that",
+            si(delay + left, "s", 2)
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discover::trial;
+    use crate::encoders::late;
+    use crate::estimate::record::Record;
+    use crate::estimate::refit::refit;
+    use crate::log::Log;
+    use crate::synthetic::{Experiment, Reported, record};
+
+    /// How late the current is found to be in a second of a motor whose log shows another than flowed, in samples.
+    fn found(shows: impl Fn(&[f64], &[f64]) -> Vec<f64>) -> Option<(f64, String)> {
+        let nominal = trial::motor();
+        let experiment = Experiment { duration_s: 1.0, ..Experiment::default() };
+        let log = record(&nominal, &experiment, 4).unwrap();
+        let current_a = log.current_a.as_ref().map(|current| shows(current, &log.time_s));
+        let record = Record::new(&Log { current_a, ..log }, Some(2));
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask);
+        let mut off = nominal.clone();
+        off.motor.phase_resistance_ohm *= 1.1;
+        off.motor.phase_inductance_h *= 0.9;
+        let fit = refit(&problem, &off).unwrap();
+        let stage = Stage { fit, origin: off.clone() };
+        let (late, fit) =
+            late_current(&problem, &off, &stage).unwrap()?.refitted(&problem, &off).unwrap();
+        let resistance = fit.model.motor.phase_resistance_ohm / nominal.motor.phase_resistance_ohm;
+        assert!((resistance - 1.0).abs() < 0.01, "{resistance}");
+        let samples = late.sensor.current_delay_s / record.grid.typical_interval();
+        Some((samples, told(&off, &fit.model).unwrap()))
+    }
+
+    #[test]
+    fn a_current_that_is_shown_late_is_told_from_one_that_is_filtered_and_from_one_that_is_not() {
+        let interval = 2e-4;
+        let (samples, told) = found(|i, t| late(i, t, 3.0 * interval)).unwrap();
+        assert!((samples - 3.0).abs() < 1e-9, "{samples}");
+        assert!(told.contains("600 µs"), "{told}");
+        assert!(found(|i, t| Reported::Filtered(8.0 * interval).of(i, t, interval)).is_none());
+        assert!(found(|i, _| i.to_vec()).is_none());
+    }
+}
