@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::filter::{Colour, Disturbed, Linearisation, Noise};
 use super::fit::Problem;
-use super::noise::{refine_along, refine_rounds};
+use super::noise::refine_along;
 use super::record::{Channel, Record};
 use crate::interrupt;
 use joint_simulation::model::Model;
@@ -23,9 +23,6 @@ use joint_simulation::plant::BuildError;
 const SHORTEST: f64 = 2.0;
 const LONGEST: f64 = 0.1;
 const RATIO: f64 = 4.0;
-/// Steps of the noise at each of them, and how many are followed further.
-const FIRST: usize = 1;
-const FURTHER: usize = 2;
 /// Most white noise, over what is expected, that the search for a disturbance begins with.
 const WHITE: f64 = 3.0;
 
@@ -56,9 +53,14 @@ pub fn coloured(
             false => (least, plain),
             true => tried(problem, along, model, expected, &plain)?,
         };
-        let Some(with) = likeliest(problem, along, model, expected, (&best, place))? else {
-            continue;
-        };
+        let times: Vec<f64> = times(problem.record).collect();
+        let trials = times.into_par_iter().map(|correlation_s| {
+            let begun = begun(problem.record, expected, &best, place, correlation_s);
+            tried(problem, along, model, expected, &begun)
+        });
+        let trials = trials.collect::<Result<Vec<_>, _>>()?;
+        let with = trials.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some(with) = with else { continue };
         let bound = 2.0 * samples.ln();
         let better = if without.0 - with.0 > bound { with } else { without };
         if !known || better.0 < least || better.1 == without.1 {
@@ -66,31 +68,6 @@ pub fn coloured(
         }
     }
     Ok(best)
-}
-
-/// The disturbance of a place that makes the record likeliest: of all correlation times one step each, of the best two
-/// all that there are.
-fn likeliest(
-    problem: &Problem<'_>,
-    along: &Linearisation,
-    model: &Model,
-    expected: &Noise,
-    (noise, place): (&Noise, Disturbed),
-) -> Result<Option<(f64, Noise)>, BuildError> {
-    let rough = problem.rough();
-    let times: Vec<f64> = times(problem.record).collect();
-    let first = times.into_par_iter().map(|correlation_s| {
-        let begun = begun(problem.record, expected, noise, place, correlation_s);
-        let along = &mut Cow::Borrowed(along);
-        let noise = refine_rounds(&rough, along, model, (expected, &begun), FIRST)?;
-        Ok((problem.deviance_along(along, model, &noise)?, noise))
-    });
-    let mut first = first.collect::<Result<Vec<_>, BuildError>>()?;
-    first.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let further = first.into_par_iter().take(FURTHER);
-    let further = further.map(|(_, noise)| tried(problem, along, model, expected, &noise));
-    let further = further.collect::<Result<Vec<_>, BuildError>>()?;
-    Ok(further.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)))
 }
 
 /// Whether what the drive does at a noise beside what it is told is white: no disturbance that is correlated in time
@@ -108,9 +85,12 @@ pub fn drive_is_white(
     let noise = refine_along(problem, &mut along, model, expected, noise)?;
     let white = problem.deviance_along(&along, model, &noise)?;
     let bound = 2.0 * problem.mask.iter().sum::<f64>().max(2.0).ln();
-    let own = (&noise, Disturbed::Drive);
-    let coloured = likeliest(problem, &along, model, expected, own)?;
-    Ok(coloured.is_none_or(|(coloured, _)| white - coloured <= bound))
+    let coloured = times(problem.record).collect::<Vec<_>>().into_par_iter().map(|correlation_s| {
+        let begun = begun(problem.record, expected, &noise, Disturbed::Drive, correlation_s);
+        tried(problem, &along, model, expected, &begun)
+    });
+    let coloured = coloured.collect::<Result<Vec<_>, _>>()?;
+    Ok(coloured.into_iter().all(|(coloured, _)| white - coloured <= bound))
 }
 
 /// The same with a noise of the reversal or without, whichever this record asks for by more than one number

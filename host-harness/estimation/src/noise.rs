@@ -121,20 +121,6 @@ pub fn refine_along(
     expected: &Noise,
     start: &Noise,
 ) -> Result<Noise, BuildError> {
-    refine_rounds(problem, along, model, (expected, start), MOST_ROUNDS)
-}
-
-/// The same in so many steps at most, from a start beside what is expected.
-///
-/// # Errors
-/// The model cannot be built.
-pub fn refine_rounds(
-    problem: &Problem<'_>,
-    along: &mut Cow<'_, Linearisation>,
-    model: &Model,
-    (expected, start): (&Noise, &Noise),
-    rounds: usize,
-) -> Result<Noise, BuildError> {
     let mut knobs =
         vec![Knob { source: Source::Torque, expected: expected.torque.ln(), spread: 0.7 }];
     if problem.record.drive == Drive::Voltage {
@@ -179,7 +165,7 @@ pub fn refine_rounds(
         here = scored(&noise)?;
     }
     let mut damping = 0.0;
-    for _ in 0..rounds {
+    for _ in 0..MOST_ROUNDS {
         let mut better = None;
         for _ in 0..ATTEMPTS {
             if interrupt::asked() {

@@ -15,7 +15,7 @@ use crate::discover::search::search;
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::coordinates::Coordinate;
-use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::fit::Problem;
 use crate::estimate::refit::{self, cost};
 use crate::interrupt;
 use crate::model::Model;
@@ -49,8 +49,6 @@ impl Value {
 
 /// One sigma of a value's prior, in scales.
 const SIGMA: f64 = 10.0;
-/// Share of what a shape has to gain that the first half of a refit finds of one that is there.
-const HOPEFUL: f64 = 0.25;
 /// Stribeck velocities that a joint without other knowledge mostly moves at.
 const TYPICAL: f64 = 10.0;
 
@@ -75,12 +73,10 @@ pub(crate) fn shaped(
     let price = LEAST_GAIN + samples.ln() * rubbing.len() as f64;
     let expected = &found.expected;
     let plain = &found.before.fit;
-    // A shape that is there shows at once.
-    let hopeless = |fit: &Fit| cost(fit) + HOPEFUL * price > cost(plain);
     let trials = [Value::Creep, Value::Thinning].into_par_iter().map(|value| {
         let Stage { fit, origin } = with_shape(&found.before, &rubbing, value);
-        let (start, moved, noise) = (&fit.model, &fit.coordinates, &fit.noise);
-        let fit = refit::polish_unless(hopeless, &problem, &origin, start, moved, expected, noise)?;
+        let fit =
+            refit::polish(&problem, &origin, &fit.model, &fit.coordinates, expected, &fit.noise)?;
         Ok(Stage { fit, origin })
     });
     let trials = trials.collect::<Result<Vec<_>, BuildError>>()?;
