@@ -279,9 +279,11 @@ impl Record {
         self.grid.lead_s
     }
 
-    /// A model that was fitted to this record, which says how the record's input was taken.
+    /// A model that was fitted to this record, which says how a current that is the input was taken.
     pub fn timed(&self, mut model: Model) -> Model {
-        model.sensor.current_is_measured = self.lead_s() > 0.0;
+        if self.drive == Drive::Current {
+            model.sensor.current_is_measured = self.lead_s() > 0.0;
+        }
         model
     }
 

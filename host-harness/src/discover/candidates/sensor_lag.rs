@@ -40,16 +40,17 @@ fn propose(scene: &Scene<'_>) -> Vec<Hypothesis> {
     open.flat_map(|(_, place)| {
         let current = place == Location::CurrentSensor;
         let tried = if current { SAMPLES.len() } else { OF_ENCODERS };
-        SAMPLES.into_iter().take(tried).map(move |samples| {
-            let constant = samples * interval;
-            Hypothesis {
-                start: EffectParameters::new(Kind::SensorLag, place)
-                    .with("time_constant_s", constant),
-                free: vec![Free::Value { value: 0, scale: 0.2 * constant, sigma: 300.0 }],
-            }
-        })
+        SAMPLES.into_iter().take(tried).map(move |samples| lagging(place, samples * interval))
     })
     .collect()
+}
+
+/// A sensor that is filtered with about this time constant, s.
+pub(crate) fn lagging(place: Location, constant_s: f64) -> Hypothesis {
+    Hypothesis {
+        start: EffectParameters::new(Kind::SensorLag, place).with("time_constant_s", constant_s),
+        free: vec![Free::Value { value: 0, scale: 0.2 * constant_s, sigma: 300.0 }],
+    }
 }
 
 /// Whether an effect is a filter of the current.

@@ -108,15 +108,20 @@ pub(crate) fn bare_unless(
     search: &Search,
     k: usize,
 ) -> Result<Stage, BuildError> {
-    let place = search.place(k);
-    let Stage { fit, origin } = &search.after;
-    let mut origin = origin.clone();
-    origin.effects.remove(place);
-    let start = without(&fit.model, place);
-    let moved: Vec<_> = fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
+    let Stage { fit, origin } = narrowed(&search.after, search.place(k));
+    let (start, moved) = (&fit.model, &fit.coordinates);
     let (expected, noise) = (&search.expected, &fit.noise);
-    let fit = refit::polish_unless(enough, &problem, &origin, &start, &moved, expected, noise)?;
+    let fit = refit::polish_unless(enough, &problem, &origin, start, moved, expected, noise)?;
     Ok(Stage { fit, origin })
+}
+
+/// A stage without one of its effects, not refitted.
+pub(crate) fn narrowed(stage: &Stage, place: usize) -> Stage {
+    let Stage { mut fit, mut origin } = stage.clone();
+    origin.effects.remove(place);
+    fit.model = without(&fit.model, place);
+    fit.coordinates = fit.coordinates.iter().filter_map(|c| c.without_effect(place)).collect();
+    Stage { fit, origin }
 }
 
 /// A model without one of its effects, as near as parameters can bring it.

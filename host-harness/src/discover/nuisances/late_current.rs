@@ -5,15 +5,15 @@
 //! a search has found, are asked whether the log is likelier by far with a current of some samples before; that stands if
 //! no filter of the current and no late input explains the log as well. What is left of a sample is a lag.
 
-use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
 use crate::discover::bounds::LEAST_GAIN;
-use crate::discover::candidates::hypothesis::{Free, Hypothesis};
+use crate::discover::candidates::hypothesis::Hypothesis;
 use crate::discover::candidates::input_delay;
-use crate::discover::candidates::sensor_lag::is_of_the_current;
+use crate::discover::candidates::sensor_lag::{is_of_the_current, lagging};
+use crate::discover::checks::elimination::narrowed;
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Problem};
@@ -41,8 +41,7 @@ pub(crate) struct Late {
     lag_s: Option<f64>,
 }
 
-/// How late the current is that a log shows of a joint as `stage` has it, whose last effects but for those of the
-/// nominal a search has found; `None` where it is not.
+/// How late a log shows the current, by a fit of the nominal or of what a search found; `None` where it is not late.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -60,7 +59,7 @@ pub(crate) fn late_current(
     }
     let filtered = stage.fit.model.effects.iter().position(is_of_the_current);
     let plain = match filtered {
-        Some(place) => unfiltered(stage, place),
+        Some(place) => narrowed(stage, place),
         None => stage.clone(),
     };
     let samples = likeliest(problem, &plain.fit)?;
@@ -74,13 +73,13 @@ pub(crate) fn late_current(
         let lag = fit.model.effects.iter().find(|effect| is_of_the_current(effect));
         Ok((Late { samples, lag_s: lag.and_then(|lag| lag.get(CONSTANT)) }, cost(&fit)))
     };
-    let rest = lagging(LEFT, interval);
+    let rest = lagging(Location::CurrentSensor, LEFT * interval);
     let delayed = [(samples, None), (samples, Some(&rest)), (samples - 1, Some(&rest))];
     let delayed = delayed.into_par_iter().filter(|(samples, _)| *samples > 0);
     let delayed = delayed.map(|(samples, rest)| tried(samples, rest));
     let mut rivals = vec![input_delay::late(samples as f64, interval)];
     if filtered.is_none() {
-        rivals.push(lagging(samples as f64, interval));
+        rivals.push(lagging(Location::CurrentSensor, samples as f64 * interval));
     }
     let rivals = rivals.par_iter().map(|rival| tried(0, Some(rival)));
     let (delayed, rivals) = rayon::join(
@@ -110,7 +109,7 @@ impl Late {
         let mut origin = delayed(nominal, self.samples, interval);
         let mut moved = refit::coordinates(nominal, problem);
         if let Some(lag_s) = self.lag_s {
-            let lag = lagging(lag_s / interval, interval);
+            let lag = lagging(Location::CurrentSensor, lag_s);
             moved.extend(lag.coordinates(origin.effects.len()));
             origin = lag.added(&origin);
         }
@@ -118,16 +117,6 @@ impl Late {
         origin.effects.clone_from(&fit.model.effects);
         Ok((origin, fit))
     }
-}
-
-/// The same without its effect at a place.
-fn unfiltered(stage: &Stage, place: usize) -> Stage {
-    let mut plain = stage.clone();
-    plain.origin.effects.remove(place);
-    plain.fit.model.effects.remove(place);
-    let coordinates = stage.fit.coordinates.iter();
-    plain.fit.coordinates = coordinates.filter_map(|it| it.without_effect(place)).collect();
-    plain
 }
 
 /// The samples by which a current that is late makes the log likeliest at a fit; zero where that is not by far.
@@ -151,16 +140,6 @@ fn delayed(model: &Model, samples: usize, interval: f64) -> Model {
     model
 }
 
-/// A lag of the current of so many samples.
-fn lagging(samples: f64, interval: f64) -> Hypothesis {
-    let constant = samples * interval;
-    let lag = EffectParameters::new(Kind::SensorLag, Location::CurrentSensor);
-    Hypothesis {
-        start: lag.with(CONSTANT, constant),
-        free: vec![Free::Value { value: 0, scale: 0.2 * constant, sigma: 300.0 }],
-    }
-}
-
 /// A fit with the current so many samples late, and with an effect, refitted.
 fn contender(
     problem: &Problem<'_>,
@@ -179,7 +158,7 @@ fn contender(
     refit::polish(&problem.rough(), &origin, &start, &moved, expected, &plain.fit.noise)
 }
 
-/// How late the current of a model is, in a sentence, of which a log showed it so.
+/// How late a log shows the current by a model that was fitted to it, in a sentence; `None` where the nominal said it.
 pub(crate) fn told(nominal: &Model, model: &Model) -> Option<String> {
     let delay = model.sensor.current_delay_s;
     (delay != nominal.sensor.current_delay_s).then(|| {

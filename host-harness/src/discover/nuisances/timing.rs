@@ -77,16 +77,16 @@ pub(crate) fn search_timed(
         let problem = Problem::new(record, fitted).scouted(scout.as_ref());
         search(problem, nominal, fit, known, bar)
     };
-    let (found, late) = (searched(&record, fit)?, None);
+    let found = searched(&record, fit)?;
     if record.lead_s() > 0.0 || delays(&found) < 2 || interrupt::asked() {
-        return Ok(Timed { record, late, found });
+        return Ok(Timed { record, late: None, found });
     }
     let centred = record.centred();
     let fit = refitted(&centred)?;
     let again = searched(&centred, fit)?;
     Ok(match weight(&again) < weight(&found) && !interrupt::asked() {
-        true => Timed { record: centred, late, found: again },
-        false => Timed { record, late, found },
+        true => Timed { record: centred, late: None, found: again },
+        false => Timed { record, late: None, found },
     })
 }
 
