@@ -8,9 +8,8 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::coordinates::{Coordinate, precision};
+use super::coordinates::Coordinate;
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
-use super::gram::gram;
 use super::keep::Likelihood;
 use super::pass::Pass;
 use super::record::{CHANNELS, Channel, Record};
@@ -314,14 +313,5 @@ impl<'a> Problem<'a> {
     ) -> Result<Fit, BuildError> {
         let along = &mut Cow::Owned(Linearisation::default());
         self.fit_from(Known { along, near: None }, origin, start, coordinates, noise, rounds)
-    }
-
-    /// Inverse of the posterior's curvature at a fit: covariance of its coordinates.
-    pub fn covariance(&self, fit: &Fit) -> DMatrix<f64> {
-        let jacobian = self.sensitivity(&fit.model, &fit.gains, &fit.coordinates, None);
-        let precision = DMatrix::from_diagonal(&precision(&fit.coordinates));
-        let curvature = gram(&jacobian) + precision;
-        let count = fit.coordinates.len();
-        curvature.cholesky().map_or_else(|| DMatrix::zeros(count, count), |c| c.inverse())
     }
 }

@@ -36,6 +36,7 @@ pub mod scout;
 pub mod simulation;
 pub mod slope;
 mod slopes;
+mod standard_errors;
 mod tape;
 pub mod timing;
 mod trials;

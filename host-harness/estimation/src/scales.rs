@@ -69,7 +69,7 @@ impl Known {
 }
 
 /// A speed that the record reaches, rad/s.
-fn speed_scale(record: &Record) -> f64 {
+pub(super) fn speed_scale(record: &Record) -> f64 {
     let angle = |k: usize| record.measured[k][Channel::Motor as usize];
     let gap = 20.min(record.len() / 2).max(1);
     (gap..record.len())

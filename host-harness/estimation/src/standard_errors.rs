@@ -1,0 +1,173 @@
+//! How far off a fit's values may be.
+//!
+//! The curvature of the likelihood says it where the model is right and the innovations are white. What disturbs a
+//! joint lasts longer than a sample, so that many samples tell the same; and a law that is not quite the joint's own
+//! bends the values next to it. So the curvature counts what the scores of whole blocks of the log scatter by (the
+//! sandwich of Huber, Proc. 5th Berkeley Symp., 1967, and White, Econometrica 50, 1982), and laws that may differ
+//! in shape are set free beside the coordinates, each with a prior.
+
+use joint_core::effect::{EffectParameters, Kind};
+use joint_core::params::Location;
+use nalgebra::{DMatrix, DVector};
+
+use super::coordinates::precision;
+use super::fit::{Fit, Problem};
+use super::gram::gram;
+use super::record::{CHANNELS, Record};
+use super::scales::speed_scale;
+use joint_simulation::model::Model;
+
+/// Blocks whose scores are compared: few enough to outlast a slow disturbance, many enough for a variance.
+const BLOCKS: usize = 20;
+
+impl Problem<'_> {
+    /// Covariance of a fit's coordinates.
+    pub fn covariance(&self, fit: &Fit) -> DMatrix<f64> {
+        let beside = &other_frictions(&fit.model, self.record);
+        let own = fit.coordinates.len();
+        let count = own + beside.len();
+        let jacobian = self.sensitivity(&fit.model, &fit.gains, &fit.coordinates, None);
+        let residual = self.residual(&fit.innovations);
+        let mut jacobian = jacobian.resize_horizontally(count, 0.0);
+        for (k, run) in self.innovations_of(beside, &fit.gains).into_iter().enumerate() {
+            let Some(run) = run else { continue };
+            jacobian.column_mut(own + k).copy_from(&(self.residual(&run) - &residual));
+        }
+        let mut priors = DMatrix::identity(count, count);
+        for (k, precision) in precision(&fit.coordinates).iter().enumerate() {
+            priors[(k, k)] = *precision;
+        }
+        let curvature = gram(&jacobian) + priors;
+        let Some(inverse) = curvature.cholesky().map(|c| c.inverse()) else {
+            return DMatrix::zeros(own, own);
+        };
+        let scores = self.scores(&jacobian, &residual);
+        let many = scores.len() as f64;
+        let mean = scores.iter().sum::<DVector<f64>>() / many;
+        let mut moved = DMatrix::<f64>::zeros(count, count);
+        for score in &scores {
+            let step = &inverse * (score - &mean);
+            moved.ger(many / (many - 1.0).max(1.0), &step, &step, 1.0);
+        }
+        // Of few blocks a variance can be small by chance, never its cause.
+        let more = (0..own).map(|k| (moved[(k, k)] / inverse[(k, k)]).max(1.0).sqrt());
+        let more = DMatrix::from_diagonal(&DVector::from_iterator(own, more));
+        &more * inverse.view((0, 0), (own, own)) * &more
+    }
+
+    /// Half the gradient of the sum of squares, block by block of as many samples that are fitted to.
+    fn scores(&self, jacobian: &DMatrix<f64>, residual: &DVector<f64>) -> Vec<DVector<f64>> {
+        let samples = residual.len() / CHANNELS;
+        let fitted: Vec<usize> = (0..samples).filter(|k| self.mask[*k] > 0.0).collect();
+        let blocks = fitted.chunks(fitted.len().div_ceil(BLOCKS).max(1));
+        let score = |block: &[usize]| {
+            let rows = || block.iter().flat_map(|k| k * CHANNELS..(k + 1) * CHANNELS);
+            let slope =
+                |column: usize| rows().map(|row| jacobian[(row, column)] * residual[row]).sum();
+            DVector::from_iterator(jacobian.ncols(), (0..jacobian.ncols()).map(slope))
+        };
+        blocks.map(score).collect()
+    }
+}
+
+/// Creep of friction below breakaway that is not surprising, in Stribeck velocities.
+const CREEP: f64 = 0.1;
+
+/// Models whose friction is of another shape by as much as is not surprising, on one mass each, where the model does
+/// not say its shape: it creeps below breakaway, or its viscous coefficient is halved at the highest speed.
+fn other_frictions(model: &Model, record: &Record) -> Vec<Model> {
+    let fastest = speed_scale(record);
+    let mut shaft = 1.0;
+    let mut others = Vec::new();
+    let stages = model.stages.iter().zip(1..);
+    let stages = stages.map(|(stage, k)| (Location::Stage(k), stage.friction, stage.reduction));
+    for (place, friction, reduction) in
+        std::iter::once((Location::Motor, model.motor.friction, 1.0)).chain(stages)
+    {
+        shaft *= reduction.abs();
+        let creep = CREEP * friction.stribeck_velocity_rad_per_s;
+        let shapes = [("creep_rad_per_s", creep), ("thinning_s_per_rad", shaft / fastest)];
+        let is_shape = |effect: &EffectParameters| {
+            effect.kind == Kind::FrictionShape && effect.location == place
+        };
+        for (key, value) in
+            shapes.into_iter().filter(|(_, value)| *value > 0.0 && value.is_finite())
+        {
+            let mut other = model.clone();
+            match other.effects.iter_mut().find(|effect| is_shape(effect)) {
+                Some(known) if known.get(key).is_some_and(|own| own > 0.0) => continue,
+                Some(known) => *known = known.with(key, value),
+                None => other
+                    .effects
+                    .push(EffectParameters::new(Kind::FrictionShape, place).with(key, value)),
+            }
+            others.push(other);
+        }
+    }
+    others
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::coordinates::Coordinate;
+    use crate::filter::{Colour, Disturbed, Noise};
+    use crate::gram::gram;
+    use crate::parameters::Quantity;
+    use crate::{noise, replicate};
+    use joint_simulation::demo::actuator;
+    use joint_simulation::synthetic::{Experiment, record};
+
+    const SEEDS: u64 = 12;
+
+    /// Mean square of how far a refitted viscous coefficient is off, in the standard errors told, and in those of the
+    /// curvature alone, over replicates with this disturbance.
+    fn surprise(disturbed: impl Fn(Noise) -> Noise) -> [f64; 2] {
+        let model = actuator();
+        let log = record(&model, &Experiment { duration_s: 2.0, ..Experiment::default() }, 3);
+        let blank = Record::new(&log.unwrap(), Some(2));
+        let expected = noise::expected(&model, &blank);
+        let coordinates = [Coordinate::Parameter(Quantity::Viscous(0))];
+        let mask = vec![1.0; blank.len()];
+        let mut sums = [0.0; 2];
+        for seed in 0..SEEDS {
+            let record = replicate::replicate(&model, &blank, &disturbed(expected), seed).unwrap();
+            let problem = Problem::new(&record, &mask);
+            let fit = problem.fit(&model, &model, &coordinates, &expected, 4).unwrap();
+            let off = coordinates[0].distance(&model, &fit.model).powi(2);
+            let slopes = problem.sensitivity(&fit.model, &fit.gains, &coordinates, None);
+            let curvature = gram(&slopes)[(0, 0)] + precision(&coordinates)[0];
+            sums[0] += off / problem.covariance(&fit)[(0, 0)];
+            sums[1] += off * curvature;
+        }
+        sums.map(|sum| sum / SEEDS as f64)
+    }
+
+    #[test]
+    fn errors_hold_beside_a_disturbance_that_nobody_told_of() {
+        let [told, _] = surprise(|expected| expected);
+        assert!(told < 2.0, "{told}");
+        let [told, curvature] = surprise(|mut noise| {
+            let deviation = 6.0 * noise.torque;
+            noise.coloured[Disturbed::Rotor as usize] = Colour { deviation, correlation_s: 0.02 };
+            noise
+        });
+        assert!(told < 2.0 && curvature > 4.0, "{told} {curvature}");
+    }
+
+    #[test]
+    fn friction_is_of_another_shape_only_where_the_model_does_not_say_it() {
+        let mut model = actuator();
+        let log = record(&model, &Experiment { duration_s: 0.2, ..Experiment::default() }, 3);
+        let record = Record::new(&log.unwrap(), Some(2));
+        let plain = other_frictions(&model, &record).len();
+        assert_eq!(plain, 2 * (1 + model.stages.len()));
+        let shape = EffectParameters::new(Kind::FrictionShape, Location::Motor);
+        model.effects.push(shape.with("thinning_s_per_rad", 1e-3));
+        let others = other_frictions(&model, &record);
+        assert_eq!(others.len(), plain - 1);
+        let [thinning, creep] =
+            ["thinning_s_per_rad", "creep_rad_per_s"].map(|key| others[0].effects[0].get(key));
+        assert!(thinning == Some(1e-3) && creep > Some(0.0), "{thinning:?} {creep:?}");
+    }
+}
