@@ -33,8 +33,7 @@ use self::findings::Findings;
 use self::located::Located;
 use self::split::Split;
 use self::undecided::undecided;
-use super::checks::constant_torque::ask_constant;
-use super::checks::gear_or_encoder::ask_encoder;
+use super::checks::alike::ask_alike;
 use super::error::DiscoverError;
 use super::evidence::excitation::cannot_tell;
 use super::nuisances::timing::{Timed, search_timed};
@@ -113,8 +112,7 @@ pub fn discover_beside(
     let stepped = explained.step(record, micro_steps, &split)?;
     if !interrupt::asked() {
         let problem = Problem::new(&stepped.record, &split.fitted);
-        ask_constant(&problem, &mut explained.found)?;
-        ask_encoder(&problem, &mut explained.found);
+        ask_alike(&problem, &mut explained.found);
     }
     // Step 5: every effect asked on samples that no fit has seen.
     let unseen = explained.confirm((&stepped, &split), (others, MOST_SAMPLES))?;

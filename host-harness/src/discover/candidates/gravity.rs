@@ -1,12 +1,19 @@
 //! Gravity: one period per turn of the last mass, at every speed.
+//!
+//! Around its largest pull a pendulum is a constant torque, and so is much that is no pendulum: a spring, a hose,
+//! friction that is stronger one way. Only a travel over which the pull changes tells them apart.
+
+use std::f64::consts::FRAC_PI_2;
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
+use joint_core::per_unit::Bases;
 
 use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use super::hypothesis::{Free, Hypothesis};
-use super::rules::Rules;
+use super::rules::{Alike, Rules};
+use crate::estimate::record::{Channel, Record};
 use crate::model::Model;
 
 pub(super) const CARD: EffectCard = EffectCard {
@@ -15,7 +22,7 @@ pub(super) const CARD: EffectCard = EffectCard {
     axis: Axis::OutputAngle,
     experiment: "turn the mount by a quarter, or move slowly through a full output turn",
     reference: None,
-    rules: Rules::NONE,
+    rules: Rules { alike: constant, ..Rules::NONE },
     benchmark: Benchmark::Hidden(hidden),
     propose,
 };
@@ -35,6 +42,36 @@ fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {
         .with("amplitude_nm", 1.5 * joint.size * joint.output_torque_nm)
         .with("phase_rad", joint.phase_rad);
     Some(gravity)
+}
+
+/// Places of order and amplitude among a line's values.
+const ORDER: usize = 0;
+const AMPLITUDE: usize = 1;
+/// One sigma of a constant torque's prior, in amplitudes of what it stands for.
+const SIGMA: f64 = 100.0;
+
+/// A constant torque on the rotor, as large as the pull is in the mean over a record.
+fn constant(gravity: &EffectParameters, model: &Model, record: &Record) -> Option<Alike> {
+    let shaft = Bases::si(&model.motor, &model.stages).shaft(model.stages.len());
+    let [size, phase, ..] = gravity.values;
+    let angles = record.measured.iter().filter_map(|row| {
+        let output = row[Channel::Output as usize];
+        let motor = row[Channel::Motor as usize] * shaft;
+        [output, motor].into_iter().find(|angle| angle.is_finite())
+    });
+    let (sum, count) = angles
+        .map(|angle| -size * (angle + phase).sin())
+        .fold((0.0, 0_u32), |(sum, count), pull| (sum + pull, count + 1));
+    // Of a line of the lowest order the record sees no more than its top.
+    let start = EffectParameters::new(Kind::Cogging, Location::Motor)
+        .with("order", Kind::Cogging.spec().parameters[ORDER].low)
+        .with("phase_rad", -FRAC_PI_2);
+    let free = Free::Value { value: AMPLITUDE, scale: size * shaft.abs(), sigma: SIGMA };
+    Some(Alike {
+        hypothesis: Hypothesis { start, free: vec![free] },
+        start: start.with("amplitude_nm", shaft * sum / f64::from(count.max(1))),
+        constant: Some(AMPLITUDE),
+    })
 }
 
 /// What it is called wherever it hangs.

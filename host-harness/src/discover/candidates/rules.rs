@@ -2,6 +2,7 @@
 
 use joint_core::effect::EffectParameters;
 
+use super::hypothesis::Hypothesis;
 use crate::estimate::record::Record;
 use crate::model::Model;
 
@@ -14,8 +15,21 @@ pub struct Rules {
     pub contradiction: fn(&EffectParameters, &Model, &Record) -> Option<String>,
     /// Moves a model's parameters to what they would be without it, where it is a symmetry of the model.
     pub loss: fn(&EffectParameters, &mut Model),
+    /// What shows the same in many records, to be fitted in its place; `None` where nothing does in this one.
+    pub alike: fn(&EffectParameters, &Model, &Record) -> Option<Alike>,
     /// How its order is asked again, if it is a line.
     pub line: Line,
+}
+
+/// What shows the same as an effect.
+#[derive(Clone, Debug)]
+pub struct Alike {
+    /// It, without a size, and what of it is free.
+    pub hypothesis: Hypothesis,
+    /// It, as large as shows what the effect does.
+    pub start: EffectParameters,
+    /// Whether it is a constant torque on the rotor, by the place of that among its values, and no effect of its own.
+    pub constant: Option<usize>,
 }
 
 /// What is special about a kind's lines.
@@ -35,6 +49,7 @@ impl Rules {
         impossible: |_, _, _| false,
         contradiction: |_, _, _| None,
         loss: |_, _| {},
+        alike: |_, _, _| None,
         line: Line::ANY,
     };
 }

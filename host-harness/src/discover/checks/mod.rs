@@ -5,14 +5,13 @@
 //! unseen samples confirm it), and one asks of the whole model whether what is left is noise.
 
 pub(crate) mod admissibility;
+pub(crate) mod alike;
 pub(crate) mod base_refit;
 pub(crate) mod bootstrap;
 pub(crate) mod confirmed;
-pub(crate) mod constant_torque;
 mod contradiction;
 pub(crate) mod elimination;
 pub(crate) mod finer_steps;
-pub(crate) mod gear_or_encoder;
 pub mod goodness_of_fit;
 pub(crate) mod least_gain;
 pub(crate) mod noise_ratio;
