@@ -206,6 +206,20 @@ pub fn converge(
     start: Fit,
     expected: &Noise,
 ) -> Result<Fit, BuildError> {
+    converge_unless(|_| false, problem, origin, start, expected)
+}
+
+/// The same, content with polishing where what that leads to says enough.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn converge_unless(
+    enough: impl Fn(&Fit) -> bool,
+    problem: &Problem<'_>,
+    origin: &Model,
+    start: Fit,
+    expected: &Noise,
+) -> Result<Fit, BuildError> {
     // A nominal's own effects are not moved, and excuse nothing.
     let found = start.coordinates.iter().any(|c| !matches!(c, Coordinate::Parameter(_)));
     let most = if found { DOUBTED } else { DOUBTFUL };
@@ -217,7 +231,7 @@ pub fn converge(
         if !owed && polished(problem, origin, &mut best, expected)? > WORTHWHILE {
             continue;
         }
-        if attempt + 1 == ATTEMPTS || !doubtful(&best) {
+        if attempt + 1 == ATTEMPTS || !doubtful(&best) || enough(&best) {
             break;
         }
         let mut moved = cooled(problem, origin, &best, expected)?;

@@ -32,7 +32,7 @@ pub(crate) fn refitted_base(
     let geared = !origin.stages.is_empty();
     let far = |fit: &Fit| cost(fit) - cost(&won.fit) > FAR_BEHIND;
     let mut fit = refit::polish_unless(far, problem, origin, &start, moved, expected, noise)?;
-    if geared && small && cost(&fit) - cost(&won.fit) > least {
+    if geared && small && !far(&fit) && cost(&fit) - cost(&won.fit) > least {
         let again = refit::cooled(problem, origin, &base.fit, expected)?;
         if cost(&again) < cost(&fit) {
             fit = again;

@@ -9,7 +9,7 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 use rayon::prelude::*;
 
-use crate::discover::bounds::LEAST_GAIN;
+use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN};
 use crate::discover::candidates::hypothesis::Hypothesis;
 use crate::discover::candidates::input_delay;
 use crate::discover::candidates::sensor_lag::{is_of_the_current, lagging};
@@ -68,8 +68,9 @@ pub(crate) fn late_current(
     }
     let expected = noise::expected(nominal, record);
     let interval = record.grid.typical_interval();
+    let known = cost(&stage.fit);
     let tried = |samples: usize, effect: Option<&Hypothesis>| {
-        let fit = contender(problem, &plain, (samples, effect), &expected)?;
+        let fit = contender(problem, &plain, (samples, effect), (&expected, known))?;
         let lag = fit.model.effects.iter().find(|effect| is_of_the_current(effect));
         Ok((Late { samples, lag_s: lag.and_then(|lag| lag.get(CONSTANT)) }, cost(&fit)))
     };
@@ -77,22 +78,20 @@ pub(crate) fn late_current(
     let delayed = [(samples, None), (samples, Some(&rest)), (samples - 1, Some(&rest))];
     let delayed = delayed.into_par_iter().filter(|(samples, _)| *samples > 0);
     let delayed = delayed.map(|(samples, rest)| tried(samples, rest));
+    let delayed = delayed.collect::<Result<Vec<_>, BuildError>>()?;
+    let dear = problem.mask.iter().sum::<f64>().max(2.0).ln();
+    let owed = |(late, cost): &(Late, f64)| if late.lag_s.is_some() { cost + dear } else { *cost };
+    let best = delayed.into_iter().min_by(|a, b| owed(a).total_cmp(&owed(b)));
+    let Some((late, best)) = best.filter(|(_, best)| best + LEAST_GAIN + dear < known) else {
+        return Ok(None);
+    };
     let mut rivals = vec![input_delay::late(samples as f64, interval)];
     if filtered.is_none() {
         rivals.push(lagging(Location::CurrentSensor, samples as f64 * interval));
     }
     let rivals = rivals.par_iter().map(|rival| tried(0, Some(rival)));
-    let (delayed, rivals) = rayon::join(
-        || delayed.collect::<Result<Vec<_>, BuildError>>(),
-        || rivals.collect::<Result<Vec<_>, BuildError>>(),
-    );
-    let dear = problem.mask.iter().sum::<f64>().max(2.0).ln();
-    let owed = |(late, cost): &(Late, f64)| if late.lag_s.is_some() { cost + dear } else { *cost };
-    let best = delayed?.into_iter().min_by(|a, b| owed(a).total_cmp(&owed(b)));
-    let rival = rivals?.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
-    Ok(best
-        .filter(|(_, best)| best + LEAST_GAIN + dear < cost(&stage.fit) && *best < rival)
-        .map(|(late, _)| late))
+    let rivals = rivals.collect::<Result<Vec<_>, BuildError>>()?;
+    Ok(rivals.iter().all(|(_, rival)| best < *rival).then_some(late))
 }
 
 impl Late {
@@ -140,12 +139,13 @@ fn delayed(model: &Model, samples: usize, interval: f64) -> Model {
     model
 }
 
-/// A fit with the current so many samples late, and with an effect, refitted.
+/// A fit with the current so many samples late, and with an effect, refitted; content with the first half of that where
+/// it is far behind what is `known`.
 fn contender(
     problem: &Problem<'_>,
     plain: &Stage,
     (samples, effect): (usize, Option<&Hypothesis>),
-    expected: &Noise,
+    (expected, known): (&Noise, f64),
 ) -> Result<Fit, BuildError> {
     let interval = problem.record.grid.typical_interval();
     let (mut origin, mut moved) = (plain.origin.clone(), plain.fit.coordinates.clone());
@@ -155,7 +155,9 @@ fn contender(
         start = effect.added(&start);
     }
     let [origin, start] = [origin, start].map(|model| delayed(&model, samples, interval));
-    refit::polish(&problem.rough(), &origin, &start, &moved, expected, &plain.fit.noise)
+    let (rough, noise) = (problem.rough(), &plain.fit.noise);
+    let far = |fit: &Fit| cost(fit) - known > FAR_BEHIND;
+    refit::polish_unless(far, &rough, &origin, &start, &moved, expected, noise)
 }
 
 /// How late a log shows the current by a model that was fitted to it, in a sentence; `None` where the nominal said it.

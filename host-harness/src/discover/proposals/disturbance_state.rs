@@ -15,7 +15,7 @@ use super::line_spectrum::lines;
 use super::proposed::{Proposed, Tried};
 use super::refits::{Refitted, full, gained, short, written_refits};
 use super::score_test::ScoreTest;
-use crate::discover::bounds::{LEAST_GAIN, MOST_EFFECTS, RIVALLING};
+use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN, MOST_EFFECTS, RIVALLING};
 use crate::discover::candidates;
 use crate::discover::candidates::cogging;
 use crate::discover::candidates::hypothesis::{Hypothesis, first_of_each, run_through};
@@ -53,7 +53,7 @@ struct Beside<'a> {
 }
 
 /// The names that explain most beside a disturbance state, refitted without it; or the lines that the disturbance
-/// shows, where together they explain more.
+/// shows, where together they explain more. `known` is what the best fit costs that was found in another way.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -61,6 +61,7 @@ pub(crate) fn beside_disturbance_state(
     problem: Problem<'_>,
     search: &mut Search,
     round: usize,
+    known: Option<f64>,
 ) -> Result<Option<Proposed>, BuildError> {
     let base = search.after.clone();
     let expected = search.expected;
@@ -74,7 +75,7 @@ pub(crate) fn beside_disturbance_state(
     let alone = run_through(fitted.into_par_iter().map(alone));
     let mut tried = written_refits(&problem, search, round, &base, alone);
     tried.sort_by(|a, b| promise(b, &expected).total_cmp(&promise(a, &expected)));
-    let tried = converged(&problem, &base, tried, &expected)?;
+    let tried = converged(&problem, &base, tried, (&expected, known))?;
     let explained =
         tried.first().is_some_and(|(_, stage)| is_as_expected(&stage.fit.noise, &expected));
     if !explained
@@ -191,13 +192,15 @@ fn promise((contender, stage): &(Contender, Stage), expected: &Noise) -> f64 {
 }
 
 /// The names refitted until they gain nothing more, the best first: beside a disturbance a name may have
-/// looked better than it holds without. One that leaves nothing to explain ends this.
+/// looked better than it holds without. One that leaves nothing to explain ends this; of one that rests far behind what
+/// is `known` no other hollow is looked for.
 fn converged(
     problem: &Problem<'_>,
     base: &Stage,
     tried: Vec<(Contender, Stage)>,
-    expected: &Noise,
+    (expected, known): (&Noise, Option<f64>),
 ) -> Result<Vec<(Contender, Stage)>, BuildError> {
+    let hopeless = |fit: &Fit| known.is_some_and(|known| cost(fit) - known > FAR_BEHIND);
     let mut done: Vec<(Contender, Stage)> = Vec::new();
     let mut explained = false;
     for (contender, Stage { fit, origin }) in tried {
@@ -205,7 +208,7 @@ fn converged(
             done.push((contender, Stage { fit, origin }));
             continue;
         }
-        let fit = refit::converge(problem, &origin, fit, expected)?;
+        let fit = refit::converge_unless(hopeless, problem, &origin, fit, expected)?;
         explained = is_as_expected(&fit.noise, expected);
         let gain = gained(&base.fit, &fit);
         done.push((Contender { gain, ..contender }, Stage { fit, origin }));

@@ -59,7 +59,7 @@ fn add(last: Problem<'_>, search: &mut Search, round: usize) -> Result<bool, Bui
     if add_proposed(problem, search, round, proposed)? {
         return Ok(true);
     }
-    let proposed = beside_disturbance_state(problem, search, round)?;
+    let proposed = beside_disturbance_state(problem, search, round, None)?;
     add_proposed(problem, search, round, proposed)
 }
 

@@ -40,17 +40,18 @@ impl Strategy {
         order.into_iter().filter(|own| *own != DisturbanceState || !hidden).collect()
     }
 
-    /// Adds the best name that it finds.
+    /// Adds the best name that it finds; `known` is what the best fit costs that another one has found.
     fn add(
         self,
         problem: Problem<'_>,
         search: &mut Search,
         round: usize,
+        known: Option<f64>,
     ) -> Result<bool, BuildError> {
         let proposed = match self {
             Strategy::LinearStep => return add_by_linear_step(problem, search, round),
             Strategy::Annealed => annealed(problem, search, round)?,
-            Strategy::DisturbanceState => beside_disturbance_state(problem, search, round)?,
+            Strategy::DisturbanceState => beside_disturbance_state(problem, search, round, known)?,
         };
         add_proposed(problem, search, round, proposed)
     }
@@ -86,7 +87,8 @@ pub(crate) fn add_to_inconsistent(
         }
         let mut other = base.clone();
         other.deferred = search.deferred.take();
-        let added = strategy.add(problem, &mut other, round)?;
+        let known = found.then(|| cost(&search.after.fit));
+        let added = strategy.add(problem, &mut other, round, known)?;
         // A base that is consistent when it is fitted from elsewhere misses no name.
         if !added && other.noise_ratio() <= LOST && cost(&other.after.fit) < cost(&search.after.fit)
         {
