@@ -30,7 +30,10 @@ impl Problem<'_> {
         let residual = self.residual(&fit.innovations);
         let mut jacobian = jacobian.resize_horizontally(count, 0.0);
         for (k, run) in self.innovations_of(beside, &fit.gains).into_iter().enumerate() {
-            let Some(run) = run else { continue };
+            // One that runs away tells nothing.
+            let Some(run) = run.filter(|run| self.sum_of_squares(run).is_finite()) else {
+                continue;
+            };
             jacobian.column_mut(own + k).copy_from(&(self.residual(&run) - &residual));
         }
         let mut priors = DMatrix::identity(count, count);
@@ -42,15 +45,16 @@ impl Problem<'_> {
             return DMatrix::zeros(own, own);
         };
         let scores = self.scores(&jacobian, &residual);
-        let many = scores.len() as f64;
-        let mean = scores.iter().sum::<DVector<f64>>() / many;
+        let many = scores.len().max(1) as f64;
+        let mean = scores.iter().fold(DVector::zeros(count), |sum, score| sum + score) / many;
         let mut moved = DMatrix::<f64>::zeros(count, count);
         for score in &scores {
             let step = &inverse * (score - &mean);
             moved.ger(many / (many - 1.0).max(1.0), &step, &step, 1.0);
         }
         // Of few blocks a variance can be small by chance, never its cause.
-        let more = (0..own).map(|k| (moved[(k, k)] / inverse[(k, k)]).max(1.0).sqrt());
+        let more = (0..own).map(|k| moved[(k, k)] / inverse[(k, k)]);
+        let more = more.map(|more| if more.is_finite() { more.max(1.0).sqrt() } else { 1.0 });
         let more = DMatrix::from_diagonal(&DVector::from_iterator(own, more));
         &more * inverse.view((0, 0), (own, own)) * &more
     }
@@ -77,34 +81,35 @@ const CREEP: f64 = 0.1;
 /// not say its shape: it creeps below breakaway, or its viscous coefficient is halved at the highest speed.
 fn other_frictions(model: &Model, record: &Record) -> Vec<Model> {
     let fastest = speed_scale(record);
+    let mut masses = vec![(Location::Motor, model.motor.friction, 1.0)];
     let mut shaft = 1.0;
-    let mut others = Vec::new();
-    let stages = model.stages.iter().zip(1..);
-    let stages = stages.map(|(stage, k)| (Location::Stage(k), stage.friction, stage.reduction));
-    for (place, friction, reduction) in
-        std::iter::once((Location::Motor, model.motor.friction, 1.0)).chain(stages)
-    {
-        shaft *= reduction.abs();
-        let creep = CREEP * friction.stribeck_velocity_rad_per_s;
-        let shapes = [("creep_rad_per_s", creep), ("thinning_s_per_rad", shaft / fastest)];
-        let is_shape = |effect: &EffectParameters| {
-            effect.kind == Kind::FrictionShape && effect.location == place
-        };
-        for (key, value) in
-            shapes.into_iter().filter(|(_, value)| *value > 0.0 && value.is_finite())
-        {
-            let mut other = model.clone();
-            match other.effects.iter_mut().find(|effect| is_shape(effect)) {
-                Some(known) if known.get(key).is_some_and(|own| own > 0.0) => continue,
-                Some(known) => *known = known.with(key, value),
-                None => other
-                    .effects
-                    .push(EffectParameters::new(Kind::FrictionShape, place).with(key, value)),
-            }
-            others.push(other);
-        }
+    for (stage, k) in model.stages.iter().zip(1..) {
+        shaft *= stage.reduction.abs();
+        masses.push((Location::Stage(k), stage.friction, shaft));
     }
-    others
+    let shapes = masses.into_iter().flat_map(|(place, friction, shaft)| {
+        let creep = CREEP * friction.stribeck_velocity_rad_per_s;
+        [(place, "creep_rad_per_s", creep), (place, "thinning_s_per_rad", shaft / fastest)]
+    });
+    let possible = shapes.filter(|(_, _, value)| *value > 0.0 && value.is_finite());
+    possible.filter_map(|(place, key, value)| shaped(model, place, key, value)).collect()
+}
+
+/// A model with this value of the shape of a mass's friction; `None` if it has one already.
+fn shaped(model: &Model, place: Location, key: &str, value: f64) -> Option<Model> {
+    let mut other = model.clone();
+    let is_shape =
+        |effect: &EffectParameters| effect.kind == Kind::FrictionShape && effect.location == place;
+    let known = other.effects.iter().position(is_shape).unwrap_or_else(|| {
+        other.effects.push(EffectParameters::new(Kind::FrictionShape, place));
+        other.effects.len() - 1
+    });
+    let shape = &mut other.effects[known];
+    if shape.get(key).is_some_and(|own| own > 0.0) {
+        return None;
+    }
+    *shape = shape.with(key, value);
+    Some(other)
 }
 
 #[cfg(test)]
