@@ -1,7 +1,7 @@
 //! From a nominal model to the best one of the same structure.
 //!
 //! Where friction sticks and slips, the likelihood of a filter that trusts its model is multimodal: a
-//! search that begins there ends in the next hollow, with the scale of a whole stage tens of per
+//! search that begins there ends in the next local minimum, with the scale of a whole stage tens of per
 //! cent off. A filter that trusts the model little takes every sample on its own and sees a smooth
 //! slope, so the search begins with that one, and trust grows on the way. What even that one hardly
 //! sees is the scale of a whole stage: spring, inertia and friction times one factor move the same
@@ -65,7 +65,7 @@ pub fn refit(problem: &Problem<'_>, origin: &Model) -> Result<Fit, BuildError> {
     best.map_or_else(|| resettle(problem, origin, origin, &moved), Ok)
 }
 
-/// Refits from a start whose springs may lie in a wrong valley.
+/// Refits from a start whose springs may lie in a wrong local minimum.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -209,7 +209,7 @@ pub fn converge(
     converge_unless(|_| false, problem, origin, start, expected)
 }
 
-/// The same, content with polishing where what that leads to says enough.
+/// The same; a fit that polishing does not improve is not refitted from other springs where it says `enough`.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -240,7 +240,7 @@ pub fn converge_unless(
             moved = resettle(problem, origin, &from.model, &best.coordinates)?;
         }
         let gained = cost(&best) - cost(&moved);
-        // Where other springs leave as much noise, the fit was in no wrong hollow.
+        // Where other springs leave as much noise, the fit was in no wrong local minimum.
         let helped = moved.noise.times(expected) < HELPED * best.noise.times(expected);
         if gained > 0.0 {
             best = moved;
@@ -365,5 +365,10 @@ mod tests {
         assert!(rests.noise.times(&calmer) > DOUBTFUL);
         let converged = converge(&problem, &nominal, rests.clone(), &calmer).unwrap();
         assert!(cost(&converged) <= cost(&rests));
+        // Where it says enough, no other springs are tried, and polishing is all that it gets.
+        let once = converge_unless(|_| true, &problem, &nominal, rests.clone(), &calmer).unwrap();
+        let mut polished_once = rests.clone();
+        polished(&problem, &nominal, &mut polished_once, &calmer).unwrap();
+        assert_eq!(cost(&once), cost(&polished_once));
     }
 }

@@ -14,7 +14,7 @@ mod write;
 use std::borrow::Cow;
 
 use joint_core::effect::EffectParameters;
-use joint_core::params::{Friction, Load, Motor, Stage};
+use joint_core::params::{Friction, Load, Location, Motor, Stage};
 use serde::{Deserialize, Serialize};
 
 /// What measures the joint.
@@ -110,5 +110,13 @@ impl Model {
     pub fn rubs(&self) -> bool {
         let rubs = |friction: &Friction| friction.coulomb_nm + friction.sigma2_nm_s_per_rad > 0.0;
         rubs(&self.motor.friction) || self.stages.iter().any(|stage| rubs(&stage.friction))
+    }
+
+    /// The masses whose friction sticks, and where they are.
+    pub fn sticking(&self) -> impl Iterator<Item = (Location, Friction)> {
+        let stages = self.stages.iter().zip(1..);
+        let stages = stages.map(|(stage, k)| (Location::Stage(k), stage.friction));
+        let masses = std::iter::once((Location::Motor, self.motor.friction)).chain(stages);
+        masses.filter(|(_, own)| own.coulomb_nm > 0.0 && own.sigma0_nm_per_rad > 0.0)
     }
 }

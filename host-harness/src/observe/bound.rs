@@ -113,7 +113,7 @@ pub fn bounds(known: &Known<'_>) -> Result<Bounds, BuildError> {
     let steady = |walk: f64, slope: f64| {
         Walk::Steady(walk * rating.load_nm * step_s.sqrt(), slope * rating.load_nm * step_s)
     };
-    // One free number after the other: the errors have one valley in each.
+    // One free number after the other: the errors have one minimum in each.
     let mut best_steady = (f64::INFINITY, Bound::NONE, SLOPES[1]);
     for slope in SLOPES {
         let own = filter.errors(steady(WALKS[1], slope));

@@ -64,7 +64,7 @@ pub(crate) fn shaped(
     known: (&[Kind], &[EffectParameters]),
     bar: &ProgressBar,
 ) -> Result<Option<(Model, Search)>, BuildError> {
-    let rubbing = rubbing(nominal);
+    let rubbing: Vec<_> = nominal.sticking().collect();
     if rubbing.is_empty() || interrupt::asked() {
         return Ok(None);
     }
@@ -97,16 +97,6 @@ pub(crate) fn shaped(
     // Of a model that is still inconsistent it is not friction that is of another shape.
     let stands = owed(&other) + price < owed(found) && other.noise_ratio() <= LOST;
     Ok(stands.then_some((origin, other)))
-}
-
-/// The masses that rub, and where they are.
-fn rubbing(nominal: &Model) -> Vec<(Location, Friction)> {
-    let stages =
-        nominal.stages.iter().zip(1..).map(|(stage, k)| (Location::Stage(k), stage.friction));
-    let masses = std::iter::once((Location::Motor, nominal.motor.friction)).chain(stages);
-    masses
-        .filter(|(_, friction)| friction.coulomb_nm > 0.0 && friction.sigma0_nm_per_rad > 0.0)
-        .collect()
 }
 
 /// A model with this value free on every mass that rubs.

@@ -192,15 +192,15 @@ fn promise((contender, stage): &(Contender, Stage), expected: &Noise) -> f64 {
 }
 
 /// The names refitted until they gain nothing more, the best first: beside a disturbance a name may have
-/// looked better than it holds without. One that leaves nothing to explain ends this; of one that rests far behind what
-/// is `known` no other hollow is looked for.
+/// looked better than it holds without. One that leaves nothing to explain ends this; one that polishing leaves far
+/// behind what is `known` is not refitted from other springs.
 fn converged(
     problem: &Problem<'_>,
     base: &Stage,
     tried: Vec<(Contender, Stage)>,
     (expected, known): (&Noise, Option<f64>),
 ) -> Result<Vec<(Contender, Stage)>, BuildError> {
-    let hopeless = |fit: &Fit| known.is_some_and(|known| cost(fit) - known > FAR_BEHIND);
+    let far_behind = |fit: &Fit| known.is_some_and(|known| cost(fit) - known > FAR_BEHIND);
     let mut done: Vec<(Contender, Stage)> = Vec::new();
     let mut explained = false;
     for (contender, Stage { fit, origin }) in tried {
@@ -208,7 +208,7 @@ fn converged(
             done.push((contender, Stage { fit, origin }));
             continue;
         }
-        let fit = refit::converge_unless(hopeless, problem, &origin, fit, expected)?;
+        let fit = refit::converge_unless(far_behind, problem, &origin, fit, expected)?;
         explained = is_as_expected(&fit.noise, expected);
         let gain = gained(&base.fit, &fit);
         done.push((Contender { gain, ..contender }, Stage { fit, origin }));
