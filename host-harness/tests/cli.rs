@@ -386,6 +386,16 @@ fn a_drawn_benchmark_counts_what_it_scored() {
     // An answer that is wrong is kept with its log.
     let right = shares["false_alarms"]["count"] == 0;
     assert_eq!(folder.path().join("scores/0002/log.csv").exists(), !right);
+    // The draw alone is a set, of which the same answer is given.
+    let draw = "score --simulate 5 --from 2 --only adequate --seed 5 --logs-only --out set --json";
+    assert_eq!(object(&joint(folder.path(), draw))["cases"][0]["case"], "0002");
+    let of_set = object(&joint(folder.path(), "score --set set --out of-set --json"));
+    let timeless = |cases: &serde_json::Value| {
+        let mut case = cases[0].clone();
+        case["seconds"] = 0.into();
+        case
+    };
+    assert_eq!(timeless(&of_set["cases"]), timeless(&done["cases"]));
     let join = "score --join scores/score.json scores/score.json --out both --json";
     let both = object(&joint(folder.path(), join));
     assert_eq!(both["cases"], serde_json::json!([done["cases"][0], done["cases"][0]]));

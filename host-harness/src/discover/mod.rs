@@ -32,7 +32,7 @@ mod state;
 #[cfg(test)]
 mod trial;
 
-pub use answer::{discover, discover_beside, discover_without, experiment, findings};
+pub use answer::{discover, discover_beside, experiment, findings};
 pub use candidates::hidden;
 pub use checks::goodness_of_fit;
 pub use error::DiscoverError;

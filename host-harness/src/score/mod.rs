@@ -191,12 +191,19 @@ pub fn rows(path: &Path) -> Result<Vec<Row>, String> {
     Ok(written.cases)
 }
 
-/// A case's model and log.
+/// A case's model and logs: first the one that is asked about, then those of which the names are asked.
 pub fn files(set: &Path, case: &Case) -> (PathBuf, Vec<PathBuf>) {
     let folder = set.join(&case.case);
-    let plain = folder.join("log.csv");
-    let log = if plain.exists() { plain } else { folder.join("log.csv.gz") };
-    (folder.join("nominal.toml"), vec![log])
+    let plain = folder.join(log_name(0));
+    let first = if plain.exists() { plain } else { folder.join("log.csv.gz") };
+    let others = (1..).map(|place| folder.join(log_name(place))).take_while(|path| path.exists());
+    let logs = std::iter::once(first).chain(others).collect();
+    (folder.join("nominal.toml"), logs)
+}
+
+/// File of a case's log: the first is what is asked about.
+pub fn log_name(place: usize) -> String {
+    if place == 0 { "log.csv".to_owned() } else { format!("log-{}.csv", place + 1) }
 }
 
 /// Scores one answer.

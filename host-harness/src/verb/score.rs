@@ -5,20 +5,21 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use joint_core::effect::Kind;
+use indicatif::ProgressBar;
 use rayon::ThreadPoolBuilder;
 use serde_json::json;
 
 use super::discover::{failure, write};
 use super::{Common, Failure, Outcome, read_log, read_model};
 use crate::discover::findings::Answer;
-use crate::discover::{discover_beside, discover_without};
+use crate::discover::discover_beside;
 use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
 use crate::score::blind::{self, Trial};
 use crate::score::families;
 use crate::score::wide::{self, Rigs};
-use crate::score::{Case, Row, Summary, cases, files, row, rows, table};
+use crate::score::{Case, Row, Summary, cases, files, log_name, row, rows, table};
 
 /// Run discover over logs whose truth is known, and score it
 ///
@@ -30,6 +31,7 @@ use crate::score::{Case, Row, Summary, cases, files, row, rows, table};
   joint score --set practice --out scores
   joint score --simulate 48 --out scores
   joint score --simulate 100 --draws wide --out wide
+  joint score --simulate 100 --draws wide --logs-only --out set
   joint score --simulate 1600 --only adequate --out false-alarms
   joint score --join here/score.json there/score.json --out both")]
 pub struct Args {
@@ -58,6 +60,10 @@ pub struct Args {
     /// Keep every draw with its log and answer, not those alone that were answered wrongly
     #[arg(long, requires = "simulate")]
     pub keep_all: bool,
+    /// Draw only: every log with its nominal and a `truth.json`, a set for `--set`, so that several
+    /// programs can be asked about the same logs
+    #[arg(long, requires = "simulate", conflicts_with = "keep_all")]
+    pub logs_only: bool,
     /// Folder for the result
     #[arg(short = 'o', long, value_name = "DIR")]
     pub out: PathBuf,
@@ -105,17 +111,19 @@ impl Draws {
 pub fn run(args: &Args, common: &Common) -> Result<Outcome, Failure> {
     let out = OutDir::new(&args.out, common.force)?;
     interrupt::watch();
+    let numbers = args.from..args.from + args.simulate.unwrap_or(0);
+    if args.logs_only {
+        return logs(args, numbers, out, common);
+    }
     let rows = match (&args.set, args.simulate) {
         (Some(set), _) => of_set(set, args, &out, common)?,
-        (None, Some(count)) => drawn(args, args.from..args.from + count, &out, common)?,
+        (None, Some(_)) => drawn(args, numbers, &out, common)?,
         (None, None) => joined(&args.join)?,
     };
     // An interrupted score is that of the cases before.
     let summary = Summary::of(&rows);
     let json = json!({"cases": rows, "summary": summary});
-    let pretty =
-        serde_json::to_string_pretty(&json).map_err(|error| Failure::check(error.to_string()))?;
-    out.write("score.json", pretty)?;
+    out.write("score.json", pretty(&json)?)?;
     out.finish()?;
     Ok(Outcome::done(json, table(&rows, &summary)))
 }
@@ -137,18 +145,18 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
         let logs: Vec<_> =
             paths.iter().map(|path| read_log(path, Need::Drive)).collect::<Result<_, _>>()?;
         let withdrawn: Vec<_> = case.withdrawn_kind().into_iter().collect();
-        let hidden = indicatif::ProgressBar::hidden();
-        let findings = discover_without(&model, &logs, &withdrawn, &hidden).map_err(failure)?;
+        let hidden = ProgressBar::hidden();
+        // The further records are what the names are asked of.
+        let records = logs.split_at(1);
+        let findings = discover_beside(&model, records, &withdrawn, &hidden).map_err(failure)?;
         if interrupt::asked() {
             break;
         }
         let kept = out.folder(&case.case, common.force)?;
-        write(
-            &kept,
-            &findings,
-            &logs,
-            &command(path, (paths, Vec::new()), &kept, withdrawn).source(&kept),
-        )?;
+        let mut paths = paths;
+        let others = paths.split_off(1);
+        let source = command(path, (paths, others), &kept, withdrawn).source(&kept);
+        write(&kept, &findings, &logs[..1], &source)?;
         kept.finish()?;
         rows.push(row(case, &findings));
         bar.inc(1);
@@ -157,81 +165,125 @@ fn of_set(set: &Path, args: &Args, out: &OutDir, common: &Common) -> Result<Vec<
     Ok(rows)
 }
 
+/// The numbers that are asked for.
+fn asked(args: &Args, numbers: Range<u64>) -> Vec<u64> {
+    let asked = |number: &u64| args.only.is_none_or(|only| args.draws.answer(*number) == only);
+    numbers.filter(asked).collect()
+}
+
 /// Each trial on one core, as many at once as there are cores: nothing is lost to waiting, and the
-/// seconds of a log are those of a core.
+/// seconds of a log are those of a core. What an interrupt stopped is left out.
+fn abreast<T: Send>(
+    numbers: &[u64],
+    bar: &ProgressBar,
+    one: impl Fn(u64) -> Result<T, Failure> + Sync,
+) -> Result<Vec<(u64, T)>, Failure> {
+    let next = AtomicUsize::new(0);
+    let worker = || -> Result<Vec<(u64, T)>, Failure> {
+        let mut done = Vec::new();
+        while !interrupt::asked() {
+            let place = next.fetch_add(1, Ordering::Relaxed);
+            let Some(number) = numbers.get(place) else { break };
+            let one = one(*number)?;
+            if !interrupt::asked() {
+                bar.inc(1);
+                bar.set_message(format!("{number:04}"));
+                done.push((*number, one));
+            }
+        }
+        Ok(done)
+    };
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut all = std::thread::scope(|scope| {
+        let started: Vec<_> = (0..workers).map(|_| scope.spawn(&worker)).collect();
+        let mut all = Vec::new();
+        for worker in started {
+            let ended = worker.join();
+            all.extend(ended.map_err(|_| Failure::check("a worker of the benchmark stopped"))??);
+        }
+        Ok::<_, Failure>(all)
+    })?;
+    all.sort_by_key(|(number, _)| *number);
+    bar.finish_and_clear();
+    Ok(all)
+}
+
 fn drawn(
     args: &Args,
     numbers: Range<u64>,
     out: &OutDir,
     common: &Common,
 ) -> Result<Vec<Row>, Failure> {
-    let asked = |number: &u64| args.only.is_none_or(|only| args.draws.answer(*number) == only);
-    let numbers: Vec<u64> = numbers.filter(asked).collect();
+    let numbers = asked(args, numbers);
     let bar = common.progress(numbers.len() as u64, "score");
-    let next = AtomicUsize::new(0);
-    let worker = || -> Result<Vec<(Case, Row)>, Failure> {
+    let all = abreast(&numbers, &bar, |number| {
         let pool = ThreadPoolBuilder::new().num_threads(1).build();
         let pool = pool.map_err(|error| Failure::check(error.to_string()))?;
-        let mut rows = Vec::new();
-        while !interrupt::asked() {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(number) = numbers.get(place) else { break };
-            let row = pool.install(|| one(args, *number, out, common.force))?;
-            if !interrupt::asked() {
-                bar.inc(1);
-                bar.set_message(row.1.case.clone());
-                rows.push(row);
-            }
-        }
-        Ok(rows)
-    };
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut rows = std::thread::scope(|scope| {
-        let started: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
-        let mut rows = Vec::new();
-        for worker in started {
-            let ended = worker.join();
-            rows.extend(ended.map_err(|_| Failure::check("a worker of the benchmark stopped"))??);
-        }
-        Ok::<_, Failure>(rows)
+        pool.install(|| one(args, number, out, common.force))
     })?;
-    rows.sort_by(|(a, _), (b, _)| a.case.cmp(&b.case));
-    bar.finish_and_clear();
-    let (cases, rows): (Vec<Case>, Vec<Row>) = rows.into_iter().unzip();
-    let is_kept = |row: &Row| args.keep_all || !row.right;
-    let kept: Vec<Case> = cases
-        .into_iter()
-        .zip(&rows)
-        .filter(|(_, row)| is_kept(row))
-        .map(|(case, _)| case)
-        .collect();
-    let truth = serde_json::to_string_pretty(&kept);
-    out.write("truth.json", truth.map_err(|error| Failure::check(error.to_string()))?)?;
+    let (cases, rows): (Vec<Case>, Vec<Row>) = all.into_iter().map(|(_, done)| done).unzip();
+    let kept = cases.iter().zip(&rows).filter(|(_, row)| args.keep_all || !row.right);
+    let kept: Vec<&Case> = kept.map(|(case, _)| case).collect();
+    out.write("truth.json", pretty(&kept)?)?;
     Ok(rows)
+}
+
+/// The draws alone, as a set.
+fn logs(
+    args: &Args,
+    numbers: Range<u64>,
+    out: OutDir,
+    common: &Common,
+) -> Result<Outcome, Failure> {
+    let numbers = asked(args, numbers);
+    let bar = common.progress(numbers.len() as u64, "draw");
+    let all = abreast(&numbers, &bar, |number| {
+        let trial = args.draws.trial(args.seed, number)?;
+        let kept = out.folder(&trial.case.case, common.force)?;
+        keep(&kept, &trial)?;
+        kept.finish()?;
+        Ok(trial.case)
+    })?;
+    let cases: Vec<Case> = all.into_iter().map(|(_, case)| case).collect();
+    let truth = out.write("truth.json", pretty(&cases)?)?;
+    out.finish()?;
+    let told = format!("{} logs and their truth: {}\n", cases.len(), truth.display());
+    Ok(Outcome::done(json!({"cases": cases}), told))
 }
 
 /// One trial of the benchmark. What was answered wrongly, or everything, is kept, to be looked into.
 fn one(args: &Args, number: u64, out: &OutDir, force: bool) -> Result<(Case, Row), Failure> {
-    let Trial { case, nominal, logs, withdrawn } = args.draws.trial(args.seed, number)?;
-    let withdrawn: Vec<_> = withdrawn.into_iter().collect();
-    let hidden = indicatif::ProgressBar::hidden();
+    let trial = args.draws.trial(args.seed, number)?;
+    let withdrawn: Vec<_> = trial.withdrawn.into_iter().collect();
+    let hidden = ProgressBar::hidden();
     // The further records are what the names are asked of.
-    let records = logs.split_at(1);
-    let findings = discover_beside(&nominal, records, &withdrawn, &hidden).map_err(failure)?;
-    let row = row(&case, &findings);
+    let records = trial.logs.split_at(1);
+    let findings =
+        discover_beside(&trial.nominal, records, &withdrawn, &hidden).map_err(failure)?;
+    let row = row(&trial.case, &findings);
     if (args.keep_all || !row.right) && !interrupt::asked() {
-        let kept = out.folder(&case.case, force)?;
-        let model = kept.write("nominal.toml", nominal.to_toml())?;
-        let mut paths = Vec::new();
-        for (place, log) in logs.iter().enumerate() {
-            paths.push(kept.write(&log_name(place), log.to_csv())?);
-        }
+        let kept = out.folder(&trial.case.case, force)?;
+        let (model, mut paths) = keep(&kept, &trial)?;
         let others = paths.split_off(1);
         let source = command(model, (paths, others), &kept, withdrawn).source(&kept);
-        write(&kept, &findings, &logs[..1], &source)?;
+        write(&kept, &findings, records.0, &source)?;
         kept.finish()?;
     }
-    Ok((case, row))
+    Ok((trial.case, row))
+}
+
+/// A trial's nominal and logs, written.
+fn keep(kept: &OutDir, trial: &Trial) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
+    let model = kept.write("nominal.toml", trial.nominal.to_toml())?;
+    let mut paths = Vec::new();
+    for (place, log) in trial.logs.iter().enumerate() {
+        paths.push(kept.write(&log_name(place), log.to_csv())?);
+    }
+    Ok((model, paths))
+}
+
+fn pretty(value: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value).map_err(|error| Failure::check(error.to_string()))
 }
 
 /// What would give a case's answer alone.
@@ -249,9 +301,4 @@ fn command(
         without,
         anyway: true,
     }
-}
-
-/// File of a case's log: the first is what is asked about.
-fn log_name(place: usize) -> String {
-    if place == 0 { "log.csv".to_owned() } else { format!("log-{}.csv", place + 1) }
 }

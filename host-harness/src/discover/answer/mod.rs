@@ -57,24 +57,12 @@ pub fn discover(
     logs: &[Log],
     bar: &ProgressBar,
 ) -> Result<Findings, DiscoverError> {
-    discover_without(nominal, logs, &[], bar)
-}
-
-/// The same without some kinds of effects, as if they were not on the list.
-///
-/// # Errors
-/// As [`discover`].
-pub fn discover_without(
-    nominal: &Model,
-    logs: &[Log],
-    withdrawn: &[Kind],
-    bar: &ProgressBar,
-) -> Result<Findings, DiscoverError> {
-    discover_beside(nominal, (logs, &[]), withdrawn, bar)
+    discover_beside(nominal, (logs, &[]), &[], bar)
 }
 
 /// The same with other records of the joint, to which nothing is fitted: an effect that they speak against
-/// beyond its standard error is only possible.
+/// beyond its standard error is only possible; and without kinds that are `withdrawn`, as if they were not
+/// on the list.
 ///
 /// # Errors
 /// As [`discover`]; or another record is driven by another quantity.
