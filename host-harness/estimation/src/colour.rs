@@ -27,7 +27,8 @@ const RATIO: f64 = 4.0;
 const WHITE: f64 = 3.0;
 
 /// The noise at a model, with a coloured disturbance on every equation where that makes the record likelier by
-/// more than two numbers should (Schwarz, Ann. Stat. 6, 1978). One that `start` has is asked again.
+/// more than two numbers should (Schwarz, Ann. Stat. 6, 1978). One that `start` has is asked again, near its correlation
+/// time.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -53,7 +54,10 @@ pub fn coloured(
             false => (least, plain),
             true => tried(problem, along, model, expected, &plain)?,
         };
-        let times: Vec<f64> = times(problem.record).collect();
+        // One that is known has wandered little.
+        let own = best.coloured[place as usize].correlation_s;
+        let near = |time: &f64| !known || (time / own).ln().abs() < 1.5 * RATIO.ln();
+        let times: Vec<f64> = times(problem.record).filter(near).collect();
         let trials = times.into_par_iter().map(|correlation_s| {
             let begun = begun(problem.record, expected, &best, place, correlation_s);
             tried(problem, along, model, expected, &begun)
@@ -212,6 +216,14 @@ mod tests {
         // 100 correlation times tell the deviation to a tenth; times are tried a factor of four apart.
         assert!((own.deviation / true_.deviation).ln().abs() < 0.4, "{own:?} {true_:?}");
         assert!((own.correlation_s / true_.correlation_s).ln().abs() < RATIO.ln(), "{own:?}");
+        // Asked again it stays, and from another correlation time it comes nearer.
+        let again = coloured(&problem, &model, &expected, &found).unwrap().coloured[1];
+        assert!((again.deviation / own.deviation).ln().abs() < 0.1, "{again:?} {own:?}");
+        assert_eq!(again.correlation_s, own.correlation_s);
+        let mut other = found;
+        other.coloured[1].correlation_s *= RATIO * RATIO;
+        let again = coloured(&problem, &model, &expected, &other).unwrap().coloured[1];
+        assert!(again.correlation_s < 0.5 * other.coloured[1].correlation_s, "{again:?} {own:?}");
         // Most of the power of slow torques is the disturbance's, 2 σ² τ; white noise takes a filter's errors too.
         let interval = record.grid.typical_interval();
         let slow = 2.0 * own.deviation * own.deviation * own.correlation_s;

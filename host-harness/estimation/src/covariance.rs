@@ -167,7 +167,7 @@ impl Covariance {
     /// Carries it over an interval: `F P Fᵀ`.
     pub(super) fn carry(&mut self, over: &Transition) {
         let lanes = &mut self.own.lanes;
-        of_order!(self.own.order, N B => wide::run(Carry::<N, B>(over, lanes)), self.carry_any(over));
+        of_order!(self.own.order, N B => wide::run(Carry::<N, B>(over.rows(), over.across(), lanes)), self.carry_any(over));
     }
 
     fn carry_any(&mut self, over: &Transition) {

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::covariance::Transition;
-use super::filter::{Gains, Run, Walk};
+use super::gains::{Gains, Run, Walk};
 use super::record::{CHANNELS, Channel};
 
 /// One measurement, before it corrects anything.

@@ -8,8 +8,9 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use super::covariance::{Covariance, Transition};
-use super::filter::{Equation, Linearisation, Noise, Observer, Walk};
+use super::gains::{Equation, Linearisation, Noise, Walk};
 use super::keep::{Keep, Measured, Passed};
+use super::observer::Observer;
 use super::record::Channel;
 use super::scales::Scales;
 use joint_simulation::lanes::Linear;

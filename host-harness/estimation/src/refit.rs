@@ -119,6 +119,24 @@ pub fn resettle(
     polish_unless(adrift, problem, origin, &best.model, coordinates, &expected, &wide)
 }
 
+/// A fit of the part of the record that fits on the way look at, polished on all of it.
+///
+/// # Errors
+/// The model cannot be built.
+pub fn finish(
+    problem: &Problem<'_>,
+    origin: &Model,
+    near: Fit,
+    expected: &Noise,
+) -> Result<Fit, BuildError> {
+    if problem.scout.is_none() {
+        return Ok(near);
+    }
+    let adrift = |fit: &Fit| fit.noise.times(expected) > ADRIFT;
+    let Fit { model, coordinates, noise, .. } = &near;
+    polish_unless(adrift, problem, origin, model, coordinates, expected, noise)
+}
+
 /// Refits from a model that is near already, and the noise with it.
 ///
 /// # Errors
@@ -209,11 +227,33 @@ pub fn converge(
     converge_unless(|_| false, problem, origin, start, expected)
 }
 
-/// The same; a fit that polishing does not improve is not refitted from other springs where it says `enough`.
+/// The same; a fit that polishing does not improve is not refitted from other springs where it says `enough`. Of a long
+/// record it is refitted on on a part of it.
 ///
 /// # Errors
 /// The model cannot be built.
 pub fn converge_unless(
+    enough: impl Fn(&Fit) -> bool,
+    problem: &Problem<'_>,
+    origin: &Model,
+    start: Fit,
+    expected: &Noise,
+) -> Result<Fit, BuildError> {
+    if problem.scout.is_none() {
+        return converge_on(enough, problem, origin, start, expected);
+    }
+    if enough(&start) {
+        return polish_on(problem, origin, start, expected);
+    }
+    let (ahead, moved) = (problem.ahead(), &start.coordinates);
+    let near = polish(&ahead, origin, &start.model, moved, expected, &start.noise)?;
+    let near = converge_on(|_| false, &ahead, origin, near, expected)?;
+    let fit = finish(problem, origin, near, expected)?;
+    Ok(if cost(&fit) < cost(&start) { fit } else { start })
+}
+
+/// Refits on, all of it on the same samples.
+fn converge_on(
     enough: impl Fn(&Fit) -> bool,
     problem: &Problem<'_>,
     origin: &Model,
@@ -281,11 +321,11 @@ pub fn cooled(
                 let passing = problem.passing();
                 start = passing.fit(origin, &start, &fit.coordinates, &loose, rounds)?.model;
             }
-            polish(problem, origin, &start, &fit.coordinates, expected, &loose)
+            polish(&problem.ahead(), origin, &start, &fit.coordinates, expected, &loose)
         })
         .collect::<Result<Vec<_>, _>>()?;
     let best = fits.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
-    Ok(best.unwrap_or_else(|| fit.clone()))
+    best.map_or_else(|| Ok(fit.clone()), |near| finish(problem, origin, near, expected))
 }
 
 /// Whether a model asks for more noise than one believes.
@@ -309,6 +349,7 @@ pub fn coordinates(model: &Model, problem: &Problem<'_>) -> Vec<Coordinate> {
 mod tests {
     use super::*;
     use crate::record::Record;
+    use crate::scout::Scout;
     use joint_simulation::demo::actuator;
     use joint_simulation::synthetic::{Experiment, record};
 
@@ -334,6 +375,36 @@ mod tests {
         // Thinned, stretched and refined it is of the same days.
         let thinned = record.thinned(1200).refined(2);
         assert_eq!((thinned.logs(), thinned.grid.log(0), thinned.grid.log(1199)), (3, 0, 2));
+    }
+
+    #[test]
+    fn a_long_record_is_fitted_as_well_from_a_part_of_it_as_from_all() {
+        let truth = actuator();
+        let experiment =
+            Experiment { sample_time_s: 2e-4, duration_s: 1.8, ..Experiment::default() };
+        let record = Record::new(&record(&truth, &experiment, 5).unwrap(), Some(2));
+        let mask = vec![1.0; record.len()];
+        let mut nominal = truth.clone();
+        Quantity::Stiffness(0).shift(&mut nominal, 0.1);
+        nominal.motor.friction.coulomb_nm *= 1.2;
+        let scout = Scout::of(&record, &mask, &nominal).unwrap();
+        let whole = Problem::new(&record, &mask);
+        let scouted = whole.scouted(Some(&scout));
+        let expected = noise::expected(&nominal, &record);
+        let [all, part] = [whole, scouted].map(|problem| refit(&problem, &nominal).unwrap());
+        assert_eq!(part.innovations.len(), record.len());
+        assert!((cost(&part) - cost(&all)).abs() < WORTHWHILE, "{} {}", cost(&part), cost(&all));
+        // Refitted on, from where nothing is gained, and from elsewhere.
+        let moved = &part.coordinates;
+        let begun = whole.fit(&nominal, &nominal, moved, &expected, 1).unwrap();
+        let converged = converge(&scouted, &nominal, begun.clone(), &expected).unwrap();
+        assert!((cost(&converged) - cost(&all)).abs() < WORTHWHILE, "{}", cost(&converged));
+        let cooled = cooled(&scouted, &nominal, &begun, &expected).unwrap();
+        assert!((cost(&cooled) - cost(&all)).abs() < WORTHWHILE, "{}", cost(&cooled));
+        let stays = converge(&scouted, &nominal, all.clone(), &expected).unwrap();
+        assert!(cost(&stays) <= cost(&all));
+        let enough = converge_unless(|_| true, &scouted, &nominal, begun.clone(), &expected);
+        assert!(cost(&enough.unwrap()) < cost(&begun));
     }
 
     #[test]

@@ -18,7 +18,7 @@ use super::free_run;
 use super::gram::{gram, shared};
 use super::noise;
 use super::record::{CHANNELS, Channel, Record};
-use super::scout::motions;
+use super::stretches::motions;
 use crate::interrupt;
 use joint_simulation::model::Model;
 use joint_simulation::plant::BuildError;

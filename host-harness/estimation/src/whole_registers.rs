@@ -4,7 +4,6 @@
 
 use joint_core::work::Work;
 
-use super::covariance::Transition;
 use joint_simulation::lanes::{LANES, Lanes};
 
 /// A row in whole registers.
@@ -100,9 +99,10 @@ impl<const N: usize, const B: usize> Work for AddBothWays<'_, N, B> {
     }
 }
 
-/// Carries a covariance along a transition.
+/// Carries a covariance along a transition, given by rows, and by columns filled up.
 pub(super) struct Carry<'a, const N: usize, const B: usize>(
-    pub(super) &'a Transition,
+    pub(super) &'a [f64],
+    pub(super) &'a [Lanes],
     pub(super) &'a mut [Lanes],
 );
 
@@ -130,10 +130,10 @@ impl<const N: usize, const B: usize> Work for Carry<'_, N, B> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self(over, lanes) = self;
+        let Self(weights, across, lanes) = self;
         let rows = lanes.as_chunks_mut::<B>().0.first_chunk_mut::<N>();
-        let across = over.across().as_chunks::<B>().0.first_chunk::<N>();
-        let weights = over.rows().as_chunks::<N>().0.first_chunk::<N>();
+        let across = across.as_chunks::<B>().0.first_chunk::<N>();
+        let weights = weights.as_chunks::<N>().0.first_chunk::<N>();
         let (Some(rows), Some(across), Some(weights)) = (rows, across, weights) else { return };
         // The last rows stand beside some that are done already.
         let firsts = (0..N).step_by(ABREAST).map(|first| first.min(N - ABREAST));

@@ -4,15 +4,15 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use joint_core::effect::Kind;
 use indicatif::ProgressBar;
+use joint_core::effect::Kind;
 use rayon::ThreadPoolBuilder;
 use serde_json::json;
 
 use super::discover::{failure, write};
 use super::{Common, Failure, Outcome, read_log, read_model};
-use crate::discover::findings::Answer;
 use crate::discover::discover_beside;
+use crate::discover::findings::Answer;
 use crate::interrupt;
 use crate::log::Need;
 use crate::output::OutDir;
@@ -195,7 +195,7 @@ fn abreast<T: Send>(
     };
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
     let mut all = std::thread::scope(|scope| {
-        let started: Vec<_> = (0..workers).map(|_| scope.spawn(&worker)).collect();
+        let started: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
         let mut all = Vec::new();
         for worker in started {
             let ended = worker.join();

@@ -22,7 +22,8 @@ pub(crate) fn reasons(
 ) -> Vec<String> {
     let mut all = explained(&found.rounds);
     all.extend(timing::told(record).map(str::to_owned));
-    all.extend(late_current::told(given, &found.after.fit.model));
+    let [timed, model] = [&found.before, &found.after].map(|stage| &stage.fit.model);
+    all.extend(late_current::told(given, timed, model));
     let constant = found.constant.and_then(|constant| {
         let own = found.rounds.iter().find(|round| round.name.0 == constant.of)?;
         Some(constant.told(own.gain))

@@ -27,18 +27,13 @@ pub(crate) fn keep_confirmed(
     (tested, others): (&[bool], &[Elsewhere]),
     noise: bool,
 ) -> Result<Vec<Witnessed>, BuildError> {
-    let tried = found.scores.iter().filter(|row| row.round == 1).count().max(1);
-    let by_chance = Normal::standard().inverse_cdf(1.0 - BY_CHANCE / tried as f64);
+    let by_chance = by_chance(found);
     loop {
         let asked = asked(problem, found, tested, others)?;
         let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
         let short = |k: usize, own: &Witnessed| match certain(k) {
-            false if disturbed => {
-                let both = [own.least(), own.unseen.nearer];
-                let [least, most] = [f64::min, f64::max].map(|of| of(both[0], both[1]));
-                least.min(most - by_chance)
-            }
+            false if disturbed => margin([own.least(), own.unseen.nearer], by_chance),
             false if !noise => own.least(),
             _ => own.least() + SIGMAS,
         };
@@ -55,6 +50,18 @@ pub(crate) fn keep_confirmed(
             transfer_t: own.elsewhere,
         });
     }
+}
+
+/// Standard errors that one of all hypotheses exceeds by chance in a twentieth of logs.
+pub(crate) fn by_chance(found: &Search) -> f64 {
+    let tried = found.scores.iter().filter(|row| row.round == 1).count().max(1);
+    Normal::standard().inverse_cdf(1.0 - BY_CHANCE / tried as f64)
+}
+
+/// By how many standard errors samples that no fit has seen confirm an effect beside a disturbance, from the t of their
+/// likelihood and of their squared errors: neither may speak against it, and one has to be beyond chance.
+pub(crate) fn margin([likelier, nearer]: [f64; 2], by_chance: f64) -> f64 {
+    likelier.min(nearer).min(likelier.max(nearer) - by_chance)
 }
 
 /// What samples that no fit has seen say of an effect.
@@ -100,4 +107,19 @@ fn asked(
         Ok((Witnessed { unseen, elsewhere }, without))
     };
     (0..rounds).into_par_iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beside_a_disturbance_nothing_may_speak_against_an_effect_and_one_has_to_be_beyond_chance() {
+        for (told, confirmed) in
+            [([4.0, 0.1], true), ([0.1, 4.0], true), ([4.0, -0.1], false), ([3.0, 3.0], false)]
+        {
+            assert_eq!(margin(told, 3.3) >= 0.0, confirmed, "{told:?}");
+        }
+        assert_eq!(margin([4.0, 0.25], 3.3), 0.25);
+    }
 }

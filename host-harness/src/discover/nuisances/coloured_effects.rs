@@ -2,7 +2,9 @@
 //!
 //! Every candidate is refitted with the disturbance's own size, so that what it gains is what it explains beyond a
 //! disturbance without a law. The likelihood is one of white residuals then, and chance is its distribution's:
-//! chi-squared over all hypotheses that were tried, and what replicates reach.
+//! chi-squared over all hypotheses that were tried, and what replicates reach. Friction of another law than the model's
+//! leaves more than chance all the same, in which some effect fits what it was fitted to: so one is added only if
+//! samples that no fit has seen confirm it.
 
 use joint_core::effect::MAX_EFFECTS;
 use rayon::prelude::*;
@@ -11,12 +13,14 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use crate::discover::bounds::{BY_CHANCE, FAR_BEHIND, MOST_EFFECTS_DISTURBED};
 use crate::discover::candidates::hypothesis::{Hypothesis, run_through};
 use crate::discover::checks::bootstrap::stays_ahead;
+use crate::discover::checks::confirmed::{by_chance, margin};
 use crate::discover::checks::elimination::{bare_unless, without};
 use crate::discover::checks::order::ask_order;
-use crate::discover::proposals::refits::{full, short};
+use crate::discover::evidence::unseen::{Unseen, unseen};
+use crate::discover::proposals::refits::{full, short_ahead};
 use crate::discover::proposals::scored::Scored;
 use crate::discover::state::rounds::{Contender, Round};
-use crate::discover::state::search::Search;
+use crate::discover::state::search::{Search, Unconfirmed};
 use crate::discover::state::stage::Stage;
 use crate::estimate::colour::coloured;
 use crate::estimate::filter::Noise;
@@ -38,6 +42,7 @@ pub(crate) fn grow(problem: &Problem<'_>, search: &mut Search) -> Result<(), Bui
     let expected = search.expected;
     // One place is kept for what has no name.
     let full = |search: &Search| search.after.origin.effects.len() + 2 >= MAX_EFFECTS;
+    let mut grown = false;
     while search.rounds.len() < MOST_EFFECTS_DISTURBED && !full(search) && !interrupt::asked() {
         let round = search.rounds.len() + 1;
         search.tell(round, "scoring the known effects beside a disturbance");
@@ -46,6 +51,9 @@ pub(crate) fn grow(problem: &Problem<'_>, search: &mut Search) -> Result<(), Bui
         }
         let last = search.rounds.len() - 1;
         ask_order(problem.rough(), search, last)?;
+        grown = true;
+    }
+    if grown {
         recoloured(problem, &mut search.after, &expected)?;
     }
     search.bar.set_message("asking whether each effect is needed beside a disturbance");
@@ -67,30 +75,58 @@ fn add(problem: &Problem<'_>, search: &mut Search, round: usize) -> Result<bool,
     full.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
     let won = full.first().map(|(_, won)| won);
     let plain = refitted_base(&rough, &base, won, plain, &search.expected)?;
-    let contenders: Vec<Contender> = full
-        .iter()
-        .map(|(h, stage)| Contender { name: h.name(), gain: cost(&plain) - cost(&stage.fit) })
-        .collect();
-    search.write_refits(round, contenders.iter());
+    let gain = |stage: &Stage| cost(&plain) - cost(&stage.fit);
+    let own = |(h, stage): (&Hypothesis, Stage)| {
+        let least = bound(h.coordinates(0).len(), tried, by_chance);
+        (Contender { name: h.name(), gain: gain(&stage) }, stage, least)
+    };
+    let contenders: Vec<Contending> = full.into_iter().map(own).collect();
+    search.write_refits(round, contenders.iter().map(|(contender, ..)| contender));
+    let mut contenders = contenders.into_iter();
+    let won = confirmed(&rough, search, &plain, &mut contenders)?;
     let plain = Stage { fit: plain, origin: base.origin.clone() };
-    let Some((winner, rivals)) = contenders.split_first() else {
+    let Some((Contender { name, gain }, won)) = won else {
         search.after = plain;
         return Ok(false);
     };
-    let free = full[0].0.coordinates(0).len();
-    if winner.gain.is_nan() || winner.gain < bound(free, tried, by_chance) {
-        search.after = plain;
-        return Ok(false);
-    }
-    let mut stages = full.into_iter().map(|(_, stage)| stage);
-    let Some(won) = stages.next() else { return Ok(false) };
-    let runner_up = stages.next();
+    let (rivals, stages): (Vec<_>, Vec<_>) = contenders.map(|(rival, own, _)| (rival, own)).unzip();
+    let runner_up = stages.into_iter().next();
     let others: Vec<&Fit> = runner_up.iter().map(|stage| &stage.fit).chain([&plain.fit]).collect();
     let stays_ahead = stays_ahead(&won.fit, &others, problem.mask);
-    let (name, gain, rivals) = (winner.name, winner.gain, rivals.to_vec());
     search.rounds.push(Round { name, gain, rivals, runner_up, stays_ahead });
     search.after = won;
     Ok(true)
+}
+
+/// An effect, the model with it, and what it has to gain.
+type Contending = (Contender, Stage, f64);
+
+/// The likeliest effect that samples which no fit has seen confirm over a `plain` fit, of those that gain more than
+/// chance, the likeliest first; what is taken from them lost. Where none is confirmed the likeliest that no sample speaks
+/// against is only possible.
+fn confirmed(
+    problem: &Problem<'_>,
+    search: &mut Search,
+    plain: &Fit,
+    contenders: &mut impl Iterator<Item = Contending>,
+) -> Result<Option<(Contender, Stage)>, BuildError> {
+    let tested: Vec<bool> = problem.mask.iter().map(|weight| *weight == 0.0).collect();
+    let by_chance = by_chance(search);
+    let mut refused = None;
+    for (contender, stage, least) in contenders {
+        if contender.gain.is_nan() || contender.gain < least {
+            break;
+        }
+        let Unseen { t, nearer, .. } = unseen(problem, plain, &stage.fit, &tested)?;
+        if margin([t, nearer], by_chance) >= 0.0 {
+            return Ok(Some((contender, stage)));
+        }
+        if t.min(nearer) > 0.0 {
+            refused.get_or_insert(Unconfirmed { contender, stage, unseen_t: t, transfer_t: None });
+        }
+    }
+    search.unconfirmed.extend(refused);
+    Ok(None)
 }
 
 /// Hypotheses refitted in full, and the base.
@@ -118,7 +154,7 @@ fn fitted<'h>(
     let begun = promising.par_iter().map(|hypothesis| {
         let (start, noise) = (hypothesis.added(&base.fit.model), &base.fit.noise);
         let own = (base, *hypothesis);
-        Ok((*hypothesis, short(rough, own, (&start, Some(near)), noise, ROUNDS)?))
+        Ok((*hypothesis, short_ahead(rough, own, (&start, near), noise, ROUNDS)?))
     });
     let mut begun = run_through(begun);
     begun.sort_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
@@ -217,4 +253,50 @@ pub(crate) fn refitted(
         stage.fit = again;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::Kind;
+    use joint_core::params::Location;
+
+    use super::*;
+    use crate::discover::candidates::cogging;
+    use crate::discover::trial;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn the_likeliest_effect_that_unseen_samples_confirm_is_added() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let mask: Vec<f64> =
+            (0..record.len()).map(|k| if k % 500 < 350 { 1.0 } else { 0.0 }).collect();
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let plain = trial::fitted(&problem, &nominal, &[]);
+        let there = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
+        let mut against = there.clone();
+        against.fit.model.effects[0].values[1] *= -1.0;
+        let own = |kind: Kind, stage: &Stage, gain: f64| {
+            (Contender { name: (kind, Location::Motor), gain }, stage.clone(), 20.0)
+        };
+        let mut search = Search::new(plain.clone(), &[], expected);
+        let mut asked = |all: Vec<Contending>| {
+            let mut all = all.into_iter();
+            let won = confirmed(&problem, &mut search, &plain.fit, &mut all).unwrap();
+            let left: Vec<Kind> = all.map(|(contender, ..)| contender.name.0).collect();
+            (won.map(|(contender, _)| contender.name.0), left, search.unconfirmed.len())
+        };
+        // What fits only where it was fitted is passed over, and is no rival of the next.
+        let all = vec![
+            own(Kind::Gravity, &against, 90.0),
+            own(Kind::Cogging, &there, 80.0),
+            own(Kind::QuadraticDrag, &plain, 70.0),
+        ];
+        assert_eq!(asked(all), (Some(Kind::Cogging), vec![Kind::QuadraticDrag], 0));
+        // What gains no more than chance is not asked; a change of nothing is confirmed by nobody.
+        assert_eq!(asked(vec![own(Kind::Cogging, &there, 19.0)]).0, None);
+        assert_eq!(asked(vec![own(Kind::Gravity, &plain, 90.0)]).0, None);
+    }
 }

@@ -3,7 +3,8 @@
 //! Drives report a current some samples after it flowed. That is the log's timing and no effect of the joint, but left
 //! out it is named for one: a filter of the current, a late encoder, a resistance that sags. The refitted nominal, and what
 //! a search has found, are asked whether the log is likelier by far with a current of some samples before; that stands if
-//! no filter of the current and no late input explains the log as well. What is left of a sample is a lag.
+//! no filter of the current and no late input explains the log as well. What is left of a sample is a lag: within one
+//! samples do not tell a delay from a filter, so that a filter which was found that fast is the log's timing, too.
 
 use joint_core::joint::Drive;
 use joint_core::params::Location;
@@ -57,6 +58,20 @@ pub(crate) fn late_current(
     if !open || known || interrupt::asked() {
         return Ok(None);
     }
+    let filter = stage.fit.model.effects.iter().find(|effect| is_of_the_current(effect));
+    let constant = filter.and_then(|filter| filter.get(CONSTANT));
+    let within = constant.filter(|constant| *constant < record.grid.typical_interval());
+    let within = within.map(|constant| Late { samples: 0, lag_s: Some(constant) });
+    Ok(by_samples(problem, nominal, stage)?.or(within))
+}
+
+/// How many samples late a log shows the current, and a rest; `None` where it is not late by one.
+fn by_samples(
+    problem: &Problem<'_>,
+    nominal: &Model,
+    stage: &Stage,
+) -> Result<Option<Late>, BuildError> {
+    let record = problem.record;
     let filtered = stage.fit.model.effects.iter().position(is_of_the_current);
     let plain = match filtered {
         Some(place) => narrowed(stage, place),
@@ -160,15 +175,17 @@ fn contender(
     refit::polish_unless(far, &rough, &origin, &start, &moved, expected, noise)
 }
 
-/// How late a log shows the current by a model that was fitted to it, in a sentence; `None` where the nominal said it.
-pub(crate) fn told(nominal: &Model, model: &Model) -> Option<String> {
-    let delay = model.sensor.current_delay_s;
-    (delay != nominal.sensor.current_delay_s).then(|| {
+/// How late a log shows the current by a fitted model, in a sentence, where the nominal that the search began from is
+/// `timed` otherwise than the one that was given.
+pub(crate) fn told(given: &Model, timed: &Model, model: &Model) -> Option<String> {
+    let timing =
+        |model: &Model| (model.sensor.current_delay_s, model.effects.iter().any(is_of_the_current));
+    (timing(timed) != timing(given)).then(|| {
         let lag = model.effects.iter().find(|effect| is_of_the_current(effect));
         let left = lag.and_then(|lag| lag.get(CONSTANT)).unwrap_or(0.0);
         format!(
             "i_a is shown {} after it flowed: the model's current sensor has that",
-            si(delay + left, "s", 2)
+            si(model.sensor.current_delay_s + left, "s", 2)
         )
     })
 }
@@ -183,8 +200,12 @@ mod tests {
     use crate::log::Log;
     use crate::synthetic::{Experiment, Reported, record};
 
-    /// How late the current is found to be in a second of a motor whose log shows another than flowed, in samples.
-    fn found(shows: impl Fn(&[f64], &[f64]) -> Vec<f64>) -> Option<(f64, String)> {
+    /// How late the current is found to be in a second of a motor whose log shows another than flowed, in samples, where a
+    /// search found a filter of about as many, or none.
+    fn found(
+        filter: Option<f64>,
+        shows: impl Fn(&[f64], &[f64]) -> Vec<f64>,
+    ) -> Option<(f64, String)> {
         let nominal = trial::motor();
         let experiment = Experiment { duration_s: 1.0, ..Experiment::default() };
         let log = record(&nominal, &experiment, 4).unwrap();
@@ -196,22 +217,34 @@ mod tests {
         off.motor.phase_resistance_ohm *= 1.1;
         off.motor.phase_inductance_h *= 0.9;
         let fit = refit(&problem, &off).unwrap();
-        let stage = Stage { fit, origin: off.clone() };
+        let stage = match filter {
+            Some(samples) => {
+                let constant = samples * record.grid.typical_interval();
+                trial::fitted(&problem, &off, &[lagging(Location::CurrentSensor, constant)])
+            }
+            None => Stage { fit, origin: off.clone() },
+        };
         let (late, fit) =
             late_current(&problem, &off, &stage).unwrap()?.refitted(&problem, &off).unwrap();
         let resistance = fit.model.motor.phase_resistance_ohm / nominal.motor.phase_resistance_ohm;
         assert!((resistance - 1.0).abs() < 0.01, "{resistance}");
         let samples = late.sensor.current_delay_s / record.grid.typical_interval();
-        Some((samples, told(&off, &fit.model).unwrap()))
+        Some((samples, told(&off, &late, &fit.model).unwrap()))
     }
 
     #[test]
     fn a_current_that_is_shown_late_is_told_from_one_that_is_filtered_and_from_one_that_is_not() {
         let interval = 2e-4;
-        let (samples, told) = found(|i, t| late(i, t, 3.0 * interval)).unwrap();
+        let (samples, told) = found(None, |i, t| late(i, t, 3.0 * interval)).unwrap();
         assert!((samples - 3.0).abs() < 1e-9, "{samples}");
         assert!(told.contains("600 µs"), "{told}");
-        assert!(found(|i, t| Reported::Filtered(8.0 * interval).of(i, t, interval)).is_none());
-        assert!(found(|i, _| i.to_vec()).is_none());
+        let filtered = |i: &[f64], t: &[f64]| Reported::Filtered(8.0 * interval).of(i, t, interval);
+        assert!(found(None, filtered).is_none());
+        assert!(found(Some(6.0), filtered).is_none());
+        assert!(found(None, |i, _| i.to_vec()).is_none());
+        // Within a sample a filter that was found is a delay.
+        let (samples, told) = found(Some(0.8), |i, t| late(i, t, 0.5 * interval)).unwrap();
+        assert_eq!(samples, 0.0);
+        assert!(told.contains("i_a is shown 9") || told.contains("i_a is shown 1"), "{told}");
     }
 }

@@ -73,6 +73,7 @@ pub(crate) fn annealed(
     search: &mut Search,
     round: usize,
 ) -> Result<Option<Proposed>, BuildError> {
+    search.tell(round, "fitting the known effects with little trust in the model");
     let base = search.after.clone();
     let expected = search.expected;
     let ahead = problem.ahead();
@@ -164,7 +165,8 @@ fn polished(
     let noise = expected.distrusted(last);
     let polished = |Entry { hypothesis, score, model, .. }: Entry<'_>| {
         let (origin, moved) = base.widened(hypothesis);
-        let fit = refit::polish(problem, &origin, &model, &moved, expected, &noise)?;
+        let fit = refit::polish(&problem.ahead(), &origin, &model, &moved, expected, &noise)?;
+        let fit = refit::finish(problem, &origin, fit, expected)?;
         Ok((hypothesis.name(), score, Stage { fit, origin }))
     };
     let far = field.split_off(near.min(field.len()));

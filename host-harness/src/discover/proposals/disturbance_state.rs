@@ -13,7 +13,7 @@ use super::chance::threshold;
 use super::disturbance_regression::{Regressed, regressed};
 use super::line_spectrum::lines;
 use super::proposed::{Proposed, Tried};
-use super::refits::{Refitted, full, gained, short, written_refits};
+use super::refits::{Refitted, ahead, gained, short, written_refits};
 use super::score_test::ScoreTest;
 use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN, MOST_EFFECTS, RIVALLING};
 use crate::discover::candidates;
@@ -63,16 +63,14 @@ pub(crate) fn beside_disturbance_state(
     round: usize,
     known: Option<f64>,
 ) -> Result<Option<Proposed>, BuildError> {
+    search.tell(round, "fitting the known effects beside a disturbance state");
     let base = search.after.clone();
     let expected = search.expected;
     let wary = Noise { sensors: base.fit.noise.sensors, ..expected.distrusted(INFLATION) };
     let disturbances = disagreeing(&problem.ahead(), &base, &wary, true)?;
     let beside = Beside { base: &base, disturbances: &disturbances, expected, wary };
     let Some(fitted) = beside.fitted(&problem, &search.withdrawn)? else { return Ok(None) };
-    let alone = |(name, score, stage): Refitted| {
-        Ok((name, score, full(&problem, stage, &expected, &wary)?))
-    };
-    let alone = run_through(fitted.into_par_iter().map(alone));
+    let alone = alone(&problem, fitted, &expected, &wary);
     let mut tried = written_refits(&problem, search, round, &base, alone);
     tried.sort_by(|a, b| promise(b, &expected).total_cmp(&promise(a, &expected)));
     let tried = converged(&problem, &base, tried, (&expected, known))?;
@@ -87,6 +85,28 @@ pub(crate) fn beside_disturbance_state(
     Ok(Some(Proposed::Effects(Box::new(Tried::beside(base, tried)))))
 }
 
+/// Names refitted without the disturbance; of a long record those that are likeliest on a part of it.
+fn alone(
+    problem: &Problem<'_>,
+    fitted: Vec<Refitted>,
+    expected: &Noise,
+    wary: &Noise,
+) -> Vec<Refitted> {
+    let near =
+        |(name, score, stage): Refitted| Ok((name, score, ahead(problem, stage, expected, wary)?));
+    let mut near = run_through(fitted.into_par_iter().map(near));
+    if problem.scout.is_none() {
+        return near;
+    }
+    near.sort_by(|a, b| cost(&a.2.fit).total_cmp(&cost(&b.2.fit)));
+    near.truncate(CONVERGED);
+    let whole = |(name, score, Stage { fit, origin }): Refitted| {
+        let fit = refit::finish(problem, &origin, fit, expected)?;
+        Ok((name, score, Stage { fit, origin }))
+    };
+    run_through(near.into_par_iter().map(whole))
+}
+
 impl Beside<'_> {
     /// The most promising names beside the likeliest disturbance, and those that a regression of it tells; `None`
     /// where none can be asked.
@@ -96,14 +116,14 @@ impl Beside<'_> {
         withdrawn: &[Kind],
     ) -> Result<Option<Vec<Refitted>>, BuildError> {
         let Some((walk, protected)) = self.disturbances.first() else { return Ok(None) };
-        let ahead = problem.ahead();
-        let beside = ahead.pushed(*walk);
+        let part = problem.ahead();
+        let beside = part.pushed(*walk);
         let Some(test) = ScoreTest::new(beside, &self.base.origin, protected, REPLICATES) else {
             return Ok(None);
         };
         let hypotheses = candidates::proposed(&test.scene(), withdrawn);
         let mut fitted = self.scored(&beside, &test, protected, &hypotheses);
-        let told = regressed(&ahead, self.disturbances, &self.wary, &hypotheses)?;
+        let told = regressed(&part, self.disturbances, &self.wary, &hypotheses)?;
         for Regressed { hypothesis, start, beside, .. } in told.into_iter().take(REGRESSED) {
             let name = hypothesis.name();
             if fitted.iter().any(|(known, ..)| *known == name) {

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::proposed::{Proposed, Tried};
-use super::refits::{full, short};
+use super::refits::{full, level_ahead, short_ahead};
 use super::scored::Scored;
 use crate::discover::bounds::{LEAST_GAIN, PLAIN_TORQUE_RATIO, RIVALLING, SWALLOWED};
 use crate::discover::candidates::hypothesis::{Hypothesis, run_through};
@@ -47,7 +47,7 @@ pub(crate) fn linear_step(
     search.chance.push(least);
     let promising = promising(&scored, search);
     search.tell_scored(round, scored.best.len(), promising.len());
-    let contending = contending(&problem, &base, &scored, &promising);
+    let contending = contending(&problem, &base, &scored, &promising)?;
 
     let expected = search.expected;
     let polished = contending.into_par_iter().map(|(hypothesis, stage)| {
@@ -98,17 +98,18 @@ fn contending<'h>(
     base: &Stage,
     scored: &Scored<'_>,
     promising: &[(&'h Hypothesis, f64)],
-) -> Vec<(&'h Hypothesis, Stage)> {
+) -> Result<Vec<(&'h Hypothesis, Stage)>, BuildError> {
+    let (level, times) = level_ahead(problem, &base.fit)?;
     let fitted = promising.par_iter().map(|(hypothesis, score)| {
-        let (start, near) = (hypothesis.added(&base.fit.model), Some(scored.test.jacobian()));
-        let noise = &base.fit.noise;
-        let stage = short(problem, (base, *hypothesis), (&start, near), noise, ROUNDS)?;
-        let gain = (cost(&base.fit) - cost(&stage.fit)).max(*score);
-        Ok((*hypothesis, stage, gain))
+        let start = hypothesis.added(&base.fit.model);
+        let (own, near) = ((base, *hypothesis), scored.test.jacobian());
+        let stage = short_ahead(problem, own, (&start, near), &base.fit.noise, ROUNDS)?;
+        let gain = times * (level - cost(&stage.fit));
+        Ok((*hypothesis, stage, gain.max(*score)))
     });
     let mut fitted = run_through(fitted);
     fitted.sort_by(|a, b| b.2.total_cmp(&a.2));
     let strongest = fitted.first().map_or(0.0, |(.., gain)| *gain);
     let rivals = fitted.into_iter().filter(|(.., gain)| *gain > RIVALLING * strongest).take(FULL);
-    rivals.map(|(hypothesis, stage, _)| (hypothesis, stage)).collect()
+    Ok(rivals.map(|(hypothesis, stage, _)| (hypothesis, stage)).collect())
 }

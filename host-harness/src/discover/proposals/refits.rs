@@ -10,7 +10,7 @@ use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::{Linearisation, Noise};
 use crate::estimate::fit::{Fit, Known, Problem};
-use crate::estimate::refit::{cost, polish};
+use crate::estimate::refit::{cost, finish, polish};
 use crate::model::Model;
 use crate::plant::BuildError;
 
@@ -57,17 +57,62 @@ pub(crate) fn short(
     Ok(Stage { fit, origin })
 }
 
+/// The same on the part of the record that fits on the way look at.
+///
+/// # Errors
+/// The model cannot be built.
+pub(crate) fn short_ahead(
+    problem: &Problem<'_>,
+    own: (&Stage, &Hypothesis),
+    (start, near): (&Model, &DMatrix<f64>),
+    noise: &Noise,
+    rounds: usize,
+) -> Result<Stage, BuildError> {
+    let near = problem.scout.is_none().then_some(near);
+    short(&problem.ahead(), own, (start, near), noise, rounds)
+}
+
+/// What a base costs on that part, and how many times as many samples all of the record has.
+///
+/// # Errors
+/// The model cannot be built.
+pub(crate) fn level_ahead(problem: &Problem<'_>, base: &Fit) -> Result<(f64, f64), BuildError> {
+    let ahead = problem.ahead();
+    if problem.scout.is_none() {
+        return Ok((cost(base), 1.0));
+    }
+    let level = ahead.design(&base.model, &base.noise)?.deviance + base.prior;
+    let [whole, part] = [problem.mask, ahead.mask].map(|mask| mask.iter().sum::<f64>());
+    Ok((level, whole / part))
+}
+
 /// The same fit polished, with its own noise, from where it stands and at a noise to begin with.
 ///
 /// # Errors
 /// The model cannot be built.
 pub(crate) fn full(
     problem: &Problem<'_>,
+    stage: Stage,
+    expected: &Noise,
+    noise: &Noise,
+) -> Result<Stage, BuildError> {
+    let Stage { fit, origin } = ahead(problem, stage, expected, noise)?;
+    let fit = finish(problem, &origin, fit, expected)?;
+    Ok(Stage { fit, origin })
+}
+
+/// The same on the part of the record that fits on the way look at.
+///
+/// # Errors
+/// The model cannot be built.
+pub(crate) fn ahead(
+    problem: &Problem<'_>,
     Stage { fit, origin }: Stage,
     expected: &Noise,
     noise: &Noise,
 ) -> Result<Stage, BuildError> {
-    let fit = polish(problem, &origin, &fit.model, &fit.coordinates, expected, noise)?;
+    let ahead = problem.ahead();
+    let fit = polish(&ahead, &origin, &fit.model, &fit.coordinates, expected, noise)?;
     Ok(Stage { fit, origin })
 }
 
