@@ -53,7 +53,7 @@ pub(crate) fn keep_confirmed(
 }
 
 /// Standard errors that one of all hypotheses exceeds by chance in a twentieth of logs.
-pub(crate) fn by_chance(found: &Search) -> f64 {
+fn by_chance(found: &Search) -> f64 {
     let tried = found.scores.iter().filter(|row| row.round == 1).count().max(1);
     Normal::standard().inverse_cdf(1.0 - BY_CHANCE / tried as f64)
 }

@@ -10,10 +10,10 @@ use joint_core::effect::MAX_EFFECTS;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::discover::bounds::{BY_CHANCE, FAR_BEHIND, MOST_EFFECTS_DISTURBED};
+use crate::discover::bounds::{BY_CHANCE, FAR_BEHIND, MOST_EFFECTS_DISTURBED, SIGMAS};
 use crate::discover::candidates::hypothesis::{Hypothesis, run_through};
 use crate::discover::checks::bootstrap::stays_ahead;
-use crate::discover::checks::confirmed::{by_chance, margin};
+use crate::discover::checks::confirmed::margin;
 use crate::discover::checks::elimination::{bare_unless, without};
 use crate::discover::checks::order::ask_order;
 use crate::discover::evidence::unseen::{Unseen, unseen};
@@ -42,7 +42,6 @@ pub(crate) fn grow(problem: &Problem<'_>, search: &mut Search) -> Result<(), Bui
     let expected = search.expected;
     // One place is kept for what has no name.
     let full = |search: &Search| search.after.origin.effects.len() + 2 >= MAX_EFFECTS;
-    let mut grown = false;
     while search.rounds.len() < MOST_EFFECTS_DISTURBED && !full(search) && !interrupt::asked() {
         let round = search.rounds.len() + 1;
         search.tell(round, "scoring the known effects beside a disturbance");
@@ -51,9 +50,6 @@ pub(crate) fn grow(problem: &Problem<'_>, search: &mut Search) -> Result<(), Bui
         }
         let last = search.rounds.len() - 1;
         ask_order(problem.rough(), search, last)?;
-        grown = true;
-    }
-    if grown {
         recoloured(problem, &mut search.after, &expected)?;
     }
     search.bar.set_message("asking whether each effect is needed beside a disturbance");
@@ -111,14 +107,13 @@ fn confirmed(
     contenders: &mut impl Iterator<Item = Contending>,
 ) -> Result<Option<(Contender, Stage)>, BuildError> {
     let tested: Vec<bool> = problem.mask.iter().map(|weight| *weight == 0.0).collect();
-    let by_chance = by_chance(search);
     let mut refused = None;
     for (contender, stage, least) in contenders {
         if contender.gain.is_nan() || contender.gain < least {
             break;
         }
         let Unseen { t, nearer, .. } = unseen(problem, plain, &stage.fit, &tested)?;
-        if margin([t, nearer], by_chance) >= 0.0 {
+        if margin([t, nearer], SIGMAS) >= 0.0 {
             return Ok(Some((contender, stage)));
         }
         if t.min(nearer) > 0.0 {
