@@ -54,7 +54,7 @@ pub fn coloured(
             false => (least, plain),
             true => tried(problem, along, model, expected, &plain)?,
         };
-        // One that is known has wandered little.
+        // A known one is asked again near its correlation time alone.
         let own = best.coloured[place as usize].correlation_s;
         let near = |time: &f64| !known || (time / own).ln().abs() < 1.5 * RATIO.ln();
         let times: Vec<f64> = times(problem.record).filter(near).collect();

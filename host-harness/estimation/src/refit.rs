@@ -228,7 +228,7 @@ pub fn converge(
 }
 
 /// The same; a fit that polishing does not improve is not refitted from other springs where it says `enough`. Of a long
-/// record it is refitted on on a part of it.
+/// record all but the last refit look at a part.
 ///
 /// # Errors
 /// The model cannot be built.
@@ -252,7 +252,7 @@ pub fn converge_unless(
     Ok(if cost(&fit) < cost(&start) { fit } else { start })
 }
 
-/// Refits on, all of it on the same samples.
+/// The same, every refit on the same samples.
 fn converge_on(
     enough: impl Fn(&Fit) -> bool,
     problem: &Problem<'_>,

@@ -73,7 +73,7 @@ pub(crate) fn annealed(
     search: &mut Search,
     round: usize,
 ) -> Result<Option<Proposed>, BuildError> {
-    search.tell(round, "fitting the known effects with little trust in the model");
+    search.tell(round, "fitting the known effects at inflated process noise");
     let base = search.after.clone();
     let expected = search.expected;
     let ahead = problem.ahead();
