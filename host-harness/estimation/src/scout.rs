@@ -1,6 +1,6 @@
 //! The part of a record that fits look at while they are on the way to others.
 //!
-//! With little trust in the model a few thousand samples tell as much as a fit on the way needs; the one
+//! At inflated process noise a few thousand samples tell as much as a fit on the way needs; the one
 //! that it leads to takes all. So stretches of what is fitted to, over the whole record, are run alone.
 
 use super::record::Record;
