@@ -76,7 +76,7 @@ impl Late<'_> {
 /// What acts where that is not the record's own values; a joint's past ends where its log begins.
 fn drives(model: &Model, record: &Record) -> Vec<[f64; 2]> {
     let (constant, delay) =
-        (filtered_s(model, record.drive), record.grid.acts_late_s(&model.effects));
+        (filtered_s(model, record.drive), record.grid.acts_late_s(&model.effects, record.drive));
     if constant == 0.0 && delay == 0.0 {
         return Vec::new();
     }

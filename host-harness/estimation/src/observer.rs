@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use joint_core::effect::sensor_lag::lead_s;
 use joint_core::effect::{Kind, MEMORIES, Memory};
 use joint_core::params::Location;
 use joint_core::scalar::Scalar;
@@ -32,8 +33,10 @@ struct Lag {
     memory: usize,
     /// What a sensor shows of one of it.
     shown: f64,
-    /// The filter's time constant, s.
-    constant_s: f64,
+    /// What it shows at once of the current itself.
+    at_once: f64,
+    /// How far what it shows is behind a steady motion, s.
+    behind_s: f64,
 }
 
 impl Lag {
@@ -51,15 +54,21 @@ impl Lag {
             let error = |output: bool| {
                 by(&|memory: &Memory<f64>| plant.encoder_error(output, 0.0, 0.0, memory))
             };
+            let current = |now, memory: &Memory<f64>| plant.measured_current(now, memory);
             let (channel, shown) = match effect.location {
-                Location::CurrentSensor => {
-                    (Channel::Current, by(&|memory| plant.measured_current(0.0, memory)))
-                }
+                Location::CurrentSensor => (Channel::Current, by(&|memory| current(0.0, memory))),
                 Location::OutputEncoder => (Channel::Output, error(true)),
                 _ => (Channel::Motor, error(false)),
             };
+            let nothing = [0.0; MEMORIES];
+            let at_once = match channel {
+                Channel::Current => current(1.0, &nothing) - current(0.0, &nothing),
+                Channel::Motor | Channel::Output => 0.0,
+            };
+            let one = std::slice::from_ref(effect);
+            let behind_s = effect.values[0] - lead_s(one, effect.location);
             let memory = layout.memory(slot);
-            lags[channel as usize] = Some(Self { memory, shown, constant_s: effect.values[0] });
+            lags[channel as usize] = Some(Self { memory, shown, at_once, behind_s });
         }
         lags
     }
@@ -156,12 +165,12 @@ impl<'a> Observer<'a> {
             }
         }
         for (channel, lag) in Channel::ALL.into_iter().zip(&self.lags) {
-            let Some(Lag { memory, shown, constant_s }) = lag else { continue };
+            let Some(Lag { memory, shown, at_once, behind_s }) = lag else { continue };
             x[*memory] = match channel {
-                // The filter's own output is what is measured.
-                Channel::Current => self.late.measured[k][channel as usize] / shown,
-                Channel::Motor => -constant_s * speed / shown,
-                Channel::Output => -constant_s * speed * self.shaft / shown,
+                // What is measured is the filter's own output, or that and the current's share.
+                Channel::Current => self.late.measured[k][channel as usize] / (shown + at_once),
+                Channel::Motor => -behind_s * speed / shown,
+                Channel::Output => -behind_s * speed * self.shaft / shown,
             };
             x[*memory] = if x[*memory].is_finite() { x[*memory] } else { 0.0 };
         }
@@ -300,7 +309,7 @@ impl<'a> Observer<'a> {
         }
         if let Some(lag) = self.lags[channel as usize] {
             if channel == Channel::Current {
-                row[Layout::CURRENT] = 0.0;
+                row[Layout::CURRENT] = lag.at_once;
             }
             row[lag.memory] = lag.shown;
         }

@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 
 use joint_core::effect::input_delay::delay_s;
-use joint_core::effect::sensor_lag::time_constant_s;
+use joint_core::effect::sensor_lag::{lead_s, time_constant_s};
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
@@ -39,6 +39,16 @@ pub fn filtered_s(model: &Model, drive: Drive) -> f64 {
         Drive::Voltage => 0.0,
         Drive::Current => time_constant_s(&model.effects, Location::CurrentSensor),
     }
+}
+
+/// How long after it is imposed an input acts, s; a current whose report is ahead of its filter acts as much
+/// later than the filter undone.
+pub fn acts_late_s(effects: &[EffectParameters], drive: Drive) -> f64 {
+    let ahead = match drive {
+        Drive::Voltage => 0.0,
+        Drive::Current => lead_s(effects, Location::CurrentSensor),
+    };
+    delay_s(effects) + ahead
 }
 
 /// Of a filtered series at these times, values held from each to the next that the filter
@@ -117,7 +127,7 @@ impl Inputs {
     /// log; `None` where they are the same.
     pub fn acting(&self, model: &Model) -> Option<(Self, Vec<usize>)> {
         let constant = filtered_s(model, self.drive);
-        let delay = delay_s(&model.effects) - self.lead_s(model);
+        let delay = acts_late_s(&model.effects, self.drive) - self.lead_s(model);
         if constant == 0.0 && delay == 0.0 {
             return None;
         }
@@ -230,6 +240,16 @@ mod tests {
         let undone = unfiltered(&shown, &time_s, 0.02);
         let error = undone.iter().zip(&held).take(199).map(|(a, b)| (a - b).abs());
         assert!(error.fold(0.0, f64::max) < 1e-10);
+    }
+
+    #[test]
+    fn a_filtered_input_acts_as_much_later_as_its_report_is_ahead() {
+        let lag = EffectParameters::new(Kind::SensorLag, Location::CurrentSensor);
+        let lag = lag.with("time_constant_s", 2.0).with("lead_s", 0.5);
+        let delay = EffectParameters::new(Kind::InputDelay, Location::Inverter);
+        let effects = [lag, delay.with("delay_s", 0.25)];
+        let late = [Drive::Current, Drive::Voltage].map(|drive| acts_late_s(&effects, drive));
+        assert_eq!(late, [0.75, 0.25]);
     }
 
     #[test]

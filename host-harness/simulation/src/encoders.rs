@@ -5,7 +5,7 @@
 
 use joint_core::angle::Angle;
 use joint_core::effect::sensor_delay::delay_s;
-use joint_core::effect::sensor_lag::time_constant_s;
+use joint_core::effect::sensor_lag::{lead_s, time_constant_s};
 use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind, MEMORIES};
 use joint_core::params::Location;
 use joint_core::per_unit::Bases;
@@ -41,7 +41,8 @@ pub fn shown(model: &Model, time_s: &[f64], run: &[Snapshot]) -> Shown {
         .collect();
     let shown = |angles: &[f64], encoder: Location| {
         let effects = &model.effects;
-        let filtered = lagging(angles, time_s, time_constant_s(effects, encoder));
+        let filter = [time_constant_s(effects, encoder), lead_s(effects, encoder)];
+        let filtered = lagging(angles, time_s, filter);
         late(&filtered, time_s, delay_s(effects, encoder))
     };
     Shown {
@@ -50,12 +51,13 @@ pub fn shown(model: &Model, time_s: &[f64], run: &[Snapshot]) -> Shown {
     }
 }
 
-/// A series as a first-order lag shows it that has followed it for long at its first slope; straight between
-/// its times.
-pub fn lagging(values: &[f64], time_s: &[f64], constant_s: f64) -> Vec<f64> {
+/// A series as a first-order lag of this time constant and lead, s, shows it that has followed it for long at
+/// its first slope; straight between its times.
+pub fn lagging(values: &[f64], time_s: &[f64], [constant_s, lead_s]: [f64; 2]) -> Vec<f64> {
     if constant_s == 0.0 {
         return values.to_vec();
     }
+    let left = 1.0 - lead_s / constant_s;
     let slope = |k: usize| (values[k] - values[k - 1]) / (time_s[k] - time_s[k - 1]);
     let mut behind = if values.len() > 1 { constant_s * slope(1) } else { 0.0 };
     let mut shown = Vec::with_capacity(values.len());
@@ -64,7 +66,7 @@ pub fn lagging(values: &[f64], time_s: &[f64], constant_s: f64) -> Vec<f64> {
             let reached = -(-(time_s[k] - time_s[k - 1]) / constant_s).exp_m1();
             behind += (constant_s * slope(k) - behind) * reached;
         }
-        shown.push(value - behind);
+        shown.push(value - left * behind);
     }
     shown
 }
@@ -115,11 +117,14 @@ mod tests {
         let time_s: Vec<f64> = (0..100).map(|k| 1e-3 * f64::from(k)).collect();
         // At rest to 20 ms, then 50 rad/s.
         let angles: Vec<f64> = time_s.iter().map(|t| 50.0 * (t - 0.02).max(0.0)).collect();
-        let shown = lagging(&angles, &time_s, 0.01);
+        let shown = lagging(&angles, &time_s, [0.01, 0.0]);
         let wanted = |t: f64| 50.0 * (t - 0.01 * (1.0 - (-t / 0.01).exp()));
         assert!((shown[60] - wanted(0.04)).abs() < 1e-12 && shown[20] == 0.0);
-        let moving = lagging(&angles[30..], &time_s[30..], 0.01);
-        assert!(moving.iter().zip(&angles[30..]).all(|(a, b)| (b - a - 0.5).abs() < 1e-12));
+        // In even motion what it shows is behind by the time constant less the lead.
+        for (lead, behind) in [(0.0, 0.5), (4e-3, 0.3), (-2e-3, 0.6)] {
+            let moving = lagging(&angles[30..], &time_s[30..], [0.01, lead]);
+            assert!(moving.iter().zip(&angles[30..]).all(|(a, b)| (b - a - behind).abs() < 1e-12));
+        }
     }
 
     #[test]

@@ -4,8 +4,9 @@
 use std::collections::HashMap;
 
 use joint_core::effect::EffectParameters;
-use joint_core::effect::input_delay::delay_s;
-use joint_core::joint::Method;
+use joint_core::joint::{Drive, Method};
+
+use crate::acting::acts_late_s;
 
 /// Typical intervals from which on missing samples are a gap, and the joint behind it one that may
 /// have done anything.
@@ -121,9 +122,9 @@ impl Grid {
         if self.micro_steps.is_some() { interval.min(GAP * self.typical) } else { interval }
     }
 
-    /// How long after its sample a drive value acts where these effects are, s.
-    pub fn acts_late_s(&self, effects: &[EffectParameters]) -> f64 {
-        delay_s(effects) - self.lead_s
+    /// How long after its sample what a drive imposes acts where these effects are, s.
+    pub fn acts_late_s(&self, effects: &[EffectParameters], drive: Drive) -> f64 {
+        acts_late_s(effects, drive) - self.lead_s
     }
 
     /// Median interval, s.

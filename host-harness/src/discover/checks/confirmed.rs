@@ -33,7 +33,7 @@ pub(crate) fn keep_confirmed(
         let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
         let short = |k: usize, own: &Witnessed| match certain(k) {
-            false if disturbed => margin([own.least(), own.unseen.nearer], by_chance),
+            false if disturbed => margin(own.all(), by_chance),
             false if !noise => own.least(),
             _ => own.least() + SIGMAS,
         };
@@ -59,9 +59,10 @@ fn by_chance(found: &Search) -> f64 {
 }
 
 /// By how many standard errors samples that no fit has seen confirm an effect beside a disturbance, from the t of their
-/// likelihood and of their squared errors: neither may speak against it, and one has to be beyond chance.
-pub(crate) fn margin([likelier, nearer]: [f64; 2], by_chance: f64) -> f64 {
-    likelier.min(nearer).min(likelier.max(nearer) - by_chance)
+/// likelihood, of their squared errors, and of other records: none may speak against it, and one has to be beyond chance.
+pub(crate) fn margin(told: impl Iterator<Item = f64> + Clone, by_chance: f64) -> f64 {
+    let most = told.clone().fold(f64::NEG_INFINITY, f64::max);
+    told.fold(most - by_chance, f64::min)
 }
 
 /// What samples that no fit has seen say of an effect.
@@ -77,6 +78,11 @@ impl Witnessed {
     /// The t of whoever speaks against it most.
     fn least(&self) -> f64 {
         self.elsewhere.map_or(self.unseen.t, |other| self.unseen.t.min(other))
+    }
+
+    /// Every t there is.
+    pub(crate) fn all(&self) -> impl Iterator<Item = f64> + Clone + use<> {
+        [self.unseen.t, self.unseen.nearer].into_iter().chain(self.elsewhere)
     }
 
     /// The t of all together.
@@ -115,11 +121,17 @@ mod tests {
 
     #[test]
     fn beside_a_disturbance_nothing_may_speak_against_an_effect_and_one_has_to_be_beyond_chance() {
-        for (told, confirmed) in
-            [([4.0, 0.1], true), ([0.1, 4.0], true), ([4.0, -0.1], false), ([3.0, 3.0], false)]
-        {
-            assert_eq!(margin(told, 3.3) >= 0.0, confirmed, "{told:?}");
+        for (told, confirmed) in [
+            (vec![4.0, 0.1], true),
+            (vec![0.1, 4.0], true),
+            (vec![4.0, -0.1], false),
+            (vec![3.0, 3.0], false),
+            // Another record bears it out, or speaks against it.
+            (vec![1.7, 0.2, 9.0], true),
+            (vec![4.0, 4.0, -0.1], false),
+        ] {
+            assert_eq!(margin(told.iter().copied(), 3.3) >= 0.0, confirmed, "{told:?}");
         }
-        assert_eq!(margin([4.0, 0.25], 3.3), 0.25);
+        assert_eq!(margin([4.0, 0.25].into_iter(), 3.3), 0.25);
     }
 }

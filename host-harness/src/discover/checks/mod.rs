@@ -14,6 +14,7 @@ pub(crate) mod elimination;
 pub(crate) mod finer_steps;
 pub mod goodness_of_fit;
 pub(crate) mod least_gain;
+pub(crate) mod needless;
 pub(crate) mod noise_ratio;
 pub(crate) mod order;
 pub(crate) mod own_gain;

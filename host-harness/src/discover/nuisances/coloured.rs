@@ -10,9 +10,10 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::coloured_effects::{eliminate, grow, needless, refitted};
+use super::coloured_effects::{grow, refitted};
 use crate::discover::bounds::{CALM, FARTHEST, LEAST_GAIN, LOST};
 use crate::discover::checks::elimination::drop_needless;
+use crate::discover::checks::needless::{eliminate, needless};
 use crate::discover::evidence::budget::FreeRun;
 use crate::discover::evidence::disturbance::{disturbance_of, run_beside};
 use crate::discover::state::search::Search;

@@ -8,13 +8,13 @@
 
 use joint_core::effect::MAX_EFFECTS;
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::discover::bounds::{BY_CHANCE, FAR_BEHIND, MOST_EFFECTS_DISTURBED, SIGMAS};
+use crate::discover::bounds::{MOST_EFFECTS_DISTURBED, SIGMAS};
 use crate::discover::candidates::hypothesis::{Hypothesis, run_through};
 use crate::discover::checks::bootstrap::stays_ahead;
 use crate::discover::checks::confirmed::margin;
-use crate::discover::checks::elimination::{bare_unless, without};
+use crate::discover::checks::elimination::without;
+use crate::discover::checks::needless::{bound, eliminate};
 use crate::discover::checks::order::ask_order;
 use crate::discover::evidence::unseen::{Unseen, unseen};
 use crate::discover::proposals::refits::{full, short_ahead};
@@ -113,7 +113,7 @@ fn confirmed(
             break;
         }
         let Unseen { t, nearer, .. } = unseen(problem, plain, &stage.fit, &tested)?;
-        if margin([t, nearer], SIGMAS) >= 0.0 {
+        if margin([t, nearer].into_iter(), SIGMAS) >= 0.0 {
             return Ok(Some((contender, stage)));
         }
         if t.min(nearer) > 0.0 {
@@ -182,46 +182,6 @@ fn refitted_base(
     let far = |fit: &Fit| cost(fit) > cost(&plain);
     let again = refit::polish_unless(far, rough, &base.origin, &start, moved, expected, noise)?;
     Ok(if cost(&again) < cost(&plain) { again } else { plain })
-}
-
-/// What an effect of so many free values must gain where so many hypotheses were tried.
-fn bound(free: usize, tried: usize, by_chance: f64) -> f64 {
-    let level = 1.0 - BY_CHANCE / tried.max(1) as f64;
-    let chance = ChiSquared::new(free.max(1) as f64).map_or(0.0, |law| law.inverse_cdf(level));
-    by_chance.max(chance)
-}
-
-/// Drops every effect whose loss costs no more than chance, the cheapest first.
-pub(crate) fn eliminate(problem: &Problem<'_>, search: &mut Search) -> Result<(), BuildError> {
-    while let Some((k, stage)) = needless(problem, search)? {
-        search.after = stage;
-        search.rounds.remove(k);
-    }
-    Ok(())
-}
-
-/// The effect whose loss costs least, where that is no more than chance, and what is left without it.
-pub(crate) fn needless(
-    problem: &Problem<'_>,
-    search: &Search,
-) -> Result<Option<(usize, Stage)>, BuildError> {
-    if interrupt::asked() {
-        return Ok(None);
-    }
-    let by_chance = search.chance.last().copied().unwrap_or(0.0);
-    let kept = cost(&search.after.fit);
-    // What is far behind already is needed, however well the rest may still be fitted.
-    let far = |fit: &Fit| cost(fit) - kept > FAR_BEHIND;
-    let without = (0..search.rounds.len())
-        .into_par_iter()
-        .map(|k| Ok((k, bare_unless(far, problem.rough(), search, k)?)))
-        .collect::<Result<Vec<_>, BuildError>>()?;
-    let cheapest = without.into_iter().min_by(|a, b| cost(&a.1.fit).total_cmp(&cost(&b.1.fit)));
-    Ok(cheapest.filter(|(k, stage)| {
-        let loss = cost(&stage.fit) - kept;
-        let chance = loss.is_nan() || loss < bound(2, 100, by_chance);
-        chance && !search.measured.contains(&search.rounds[*k].name)
-    }))
 }
 
 /// Asks for the disturbance again, and refits beside it where it has changed.

@@ -1,19 +1,20 @@
 //! A current that a log shows late, beside the voltage that drives the joint.
 //!
 //! Drives report a current some samples after it flowed. That is the log's timing and no effect of the joint, but left
-//! out it is named for one: a filter of the current, a late encoder, a resistance that sags. The refitted nominal, and what
-//! a search has found, are asked whether the log is likelier by far with a current of some samples before; that stands if
-//! no filter of the current and no late input explains the log as well. What is left of a sample is a lag: within one
-//! samples do not tell a delay from a filter, so that a filter which was found that fast is the log's timing, too.
+//! out it is named for one: a filter of the current, a late input, a late encoder, a resistance that sags. The refitted
+//! nominal, and what a search has found, are asked whether the log is likelier by far with a current of some samples before
+//! in the place of a filter or a late input; that stands if neither explains the log as well. What is left of a sample is a
+//! lag with a lead, which is a delay where that is negative: within one, samples do not tell a delay from a filter, so that
+//! a filter which was found that fast is the log's timing, too.
 
+use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
-use joint_core::params::Location;
 use rayon::prelude::*;
 
 use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN};
 use crate::discover::candidates::hypothesis::Hypothesis;
 use crate::discover::candidates::input_delay;
-use crate::discover::candidates::sensor_lag::{is_of_the_current, lagging};
+use crate::discover::candidates::sensor_lag::{is_of_the_current, reported, reports};
 use crate::discover::checks::elimination::narrowed;
 use crate::discover::state::stage::Stage;
 use crate::estimate::filter::{Linearisation, Noise};
@@ -28,8 +29,6 @@ use crate::plot::text::si;
 
 /// Most samples by which a current is asked to be late.
 const MOST: usize = 8;
-/// A lag's parameter.
-const CONSTANT: &str = "time_constant_s";
 /// Lag in samples that what is left of one is begun with.
 const LEFT: f64 = 0.4;
 
@@ -38,8 +37,8 @@ const LEFT: f64 = 0.4;
 pub(crate) struct Late {
     /// Whole samples.
     samples: usize,
-    /// Time constant of the lag that stands for the rest of a sample, s.
-    lag_s: Option<f64>,
+    /// The lag that stands for the rest of a sample.
+    rest: Option<EffectParameters>,
 }
 
 /// How late a log shows the current, by a fit of the nominal or of what a search found; `None` where it is not late.
@@ -58,10 +57,9 @@ pub(crate) fn late_current(
     if !open || known || interrupt::asked() {
         return Ok(None);
     }
-    let filter = stage.fit.model.effects.iter().find(|effect| is_of_the_current(effect));
-    let constant = filter.and_then(|filter| filter.get(CONSTANT));
-    let within = constant.filter(|constant| *constant < record.grid.typical_interval());
-    let within = within.map(|constant| Late { samples: 0, lag_s: Some(constant) });
+    let interval = record.grid.typical_interval();
+    let within = lag_in(&stage.fit.model).filter(|lag| lag.values[0] < interval);
+    let within = within.map(|lag| Late { samples: 0, rest: Some(*lag) });
     Ok(by_samples(problem, nominal, stage)?.or(within))
 }
 
@@ -72,11 +70,10 @@ fn by_samples(
     stage: &Stage,
 ) -> Result<Option<Late>, BuildError> {
     let record = problem.record;
-    let filtered = stage.fit.model.effects.iter().position(is_of_the_current);
-    let plain = match filtered {
-        Some(place) => narrowed(stage, place),
-        None => stage.clone(),
-    };
+    let mut plain = stage.clone();
+    while let Some(place) = plain.fit.model.effects.iter().position(stands_in) {
+        plain = narrowed(&plain, place);
+    }
     let samples = likeliest(problem, &plain.fit)?;
     if samples == 0 {
         return Ok(None);
@@ -86,27 +83,27 @@ fn by_samples(
     let known = cost(&stage.fit);
     let tried = |samples: usize, effect: Option<&Hypothesis>| {
         let fit = contender(problem, &plain, (samples, effect), (&expected, known))?;
-        let lag = fit.model.effects.iter().find(|effect| is_of_the_current(effect));
-        Ok((Late { samples, lag_s: lag.and_then(|lag| lag.get(CONSTANT)) }, cost(&fit)))
+        Ok((Late { samples, rest: lag_in(&fit.model).copied() }, cost(&fit)))
     };
-    let rest = lagging(Location::CurrentSensor, LEFT * interval);
+    let rest = reported(LEFT * interval, interval);
     let delayed = [(samples, None), (samples, Some(&rest)), (samples - 1, Some(&rest))];
     let delayed = delayed.into_par_iter().filter(|(samples, _)| *samples > 0);
     let delayed = delayed.map(|(samples, rest)| tried(samples, rest));
     let delayed = delayed.collect::<Result<Vec<_>, BuildError>>()?;
+    // A filter that is slower is none of the timing.
+    let within = |late: &Late| late.rest.is_none_or(|rest| rest.values[0] <= interval);
+    let delayed = delayed.into_iter().filter(|(late, _)| within(late));
     let dear = problem.mask.iter().sum::<f64>().max(2.0).ln();
-    let owed = |(late, cost): &(Late, f64)| if late.lag_s.is_some() { cost + dear } else { *cost };
-    let best = delayed.into_iter().min_by(|a, b| owed(a).total_cmp(&owed(b)));
-    let Some((late, best)) = best.filter(|(_, best)| best + LEAST_GAIN + dear < known) else {
+    let owed = |(late, cost): &(Late, f64)| if late.rest.is_some() { cost + dear } else { *cost };
+    let best = delayed.min_by(|a, b| owed(a).total_cmp(&owed(b)));
+    let Some(best) = best.filter(|(_, best)| best + LEAST_GAIN + dear < known) else {
         return Ok(None);
     };
-    let mut rivals = vec![input_delay::late(samples as f64, interval)];
-    if filtered.is_none() {
-        rivals.push(lagging(Location::CurrentSensor, samples as f64 * interval));
-    }
+    let input = input_delay::late(samples as f64, interval);
+    let rivals: Vec<Hypothesis> = reports(interval).chain([input]).collect();
     let rivals = rivals.par_iter().map(|rival| tried(0, Some(rival)));
     let rivals = rivals.collect::<Result<Vec<_>, BuildError>>()?;
-    Ok(rivals.iter().all(|(_, rival)| best < *rival).then_some(late))
+    Ok(rivals.iter().all(|(_, rival)| owed(&best) < *rival).then_some(best.0))
 }
 
 impl Late {
@@ -122,8 +119,8 @@ impl Late {
         let interval = problem.record.grid.typical_interval();
         let mut origin = delayed(nominal, self.samples, interval);
         let mut moved = refit::coordinates(nominal, problem);
-        if let Some(lag_s) = self.lag_s {
-            let lag = lagging(Location::CurrentSensor, lag_s);
+        if let Some(own) = self.rest {
+            let lag = Hypothesis { start: own, ..reported(own.values[0], interval) };
             moved.extend(lag.coordinates(origin.effects.len()));
             origin = lag.added(&origin);
         }
@@ -146,6 +143,16 @@ fn likeliest(problem: &Problem<'_>, fit: &Fit) -> Result<usize, BuildError> {
     let plain = tried[0].0;
     let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     Ok(best.filter(|(deviance, _)| plain - deviance > LEAST_GAIN).map_or(0, |(_, samples)| samples))
+}
+
+/// Whether an effect is one that is named for a current that is late.
+fn stands_in(effect: &EffectParameters) -> bool {
+    effect.kind == Kind::InputDelay || is_of_the_current(effect)
+}
+
+/// The current's filter in a model.
+fn lag_in(model: &Model) -> Option<&EffectParameters> {
+    model.effects.iter().find(|effect| is_of_the_current(effect))
 }
 
 fn delayed(model: &Model, samples: usize, interval: f64) -> Model {
@@ -181,8 +188,7 @@ pub(crate) fn told(given: &Model, timed: &Model, model: &Model) -> Option<String
     let timing =
         |model: &Model| (model.sensor.current_delay_s, model.effects.iter().any(is_of_the_current));
     (timing(timed) != timing(given)).then(|| {
-        let lag = model.effects.iter().find(|effect| is_of_the_current(effect));
-        let left = lag.and_then(|lag| lag.get(CONSTANT)).unwrap_or(0.0);
+        let left = lag_in(model).map_or(0.0, |lag| lag.values[0] - lag.values[1]);
         format!(
             "i_a is shown {} after it flowed: the model's current sensor has that",
             si(model.sensor.current_delay_s + left, "s", 2)
@@ -192,7 +198,10 @@ pub(crate) fn told(given: &Model, timed: &Model, model: &Model) -> Option<String
 
 #[cfg(test)]
 mod tests {
+    use joint_core::params::Location;
+
     use super::*;
+    use crate::discover::candidates::sensor_lag::lagging;
     use crate::discover::trial;
     use crate::encoders::late;
     use crate::estimate::record::Record;
@@ -241,6 +250,9 @@ mod tests {
         let filtered = |i: &[f64], t: &[f64]| Reported::Filtered(8.0 * interval).of(i, t, interval);
         assert!(found(None, filtered).is_none());
         assert!(found(Some(6.0), filtered).is_none());
+        // One that is far slower than any current is late.
+        let slow = |i: &[f64], t: &[f64]| Reported::Filtered(60.0 * interval).of(i, t, interval);
+        assert!(found(None, slow).is_none());
         assert!(found(None, |i, _| i.to_vec()).is_none());
         // Within a sample a filter that was found is a delay.
         let (samples, told) = found(Some(0.8), |i, t| late(i, t, 0.5 * interval)).unwrap();
