@@ -71,8 +71,11 @@ fn by_samples(
 ) -> Result<Option<Late>, BuildError> {
     let record = problem.record;
     let mut plain = stage.clone();
-    while let Some(place) = plain.fit.model.effects.iter().position(stands_in) {
-        plain = narrowed(&plain, place);
+    // What the nominal was given with is believed.
+    for place in (nominal.effects.len()..stage.fit.model.effects.len()).rev() {
+        if stands_in(&stage.fit.model.effects[place]) {
+            plain = narrowed(&plain, place);
+        }
     }
     let samples = likeliest(problem, &plain.fit)?;
     if samples == 0 {
