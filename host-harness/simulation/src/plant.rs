@@ -293,7 +293,8 @@ pub use crate::by_stages;
 /// A parameter that the equations cannot take, or too many stages.
 pub fn plant(model: &Model, grid: &Grid, drive: Drive) -> Result<Box<dyn Plant>, BuildError> {
     by_stages!(model.stages.len(), N => {
-        Ok(Box::new(Built::<f64, N>::new(model, grid, drive, grid.acts_late_s(&model.effects, drive))?))
+        let late = grid.acts_late_s(&model.effects, drive);
+        Ok(Box::new(Built::<f64, N>::new(model, grid, drive, late)?))
     })
 }
 
