@@ -8,8 +8,7 @@
 use std::borrow::Cow;
 
 use joint_core::effect::input_delay::delay_s;
-use joint_core::effect::sensor_lag::{lead_s, time_constant_s};
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::{EffectParameters, Kind, sensor_lag};
 use joint_core::joint::Drive;
 use joint_core::params::Location;
 
@@ -37,7 +36,7 @@ const LEAST: f64 = 1e-3;
 pub fn filtered_s(model: &Model, drive: Drive) -> f64 {
     match drive {
         Drive::Voltage => 0.0,
-        Drive::Current => time_constant_s(&model.effects, Location::CurrentSensor),
+        Drive::Current => sensor_lag::time_constant_s(&model.effects, Location::CurrentSensor),
     }
 }
 
@@ -46,7 +45,7 @@ pub fn filtered_s(model: &Model, drive: Drive) -> f64 {
 pub fn acts_late_s(effects: &[EffectParameters], drive: Drive) -> f64 {
     let ahead = match drive {
         Drive::Voltage => 0.0,
-        Drive::Current => lead_s(effects, Location::CurrentSensor),
+        Drive::Current => sensor_lag::lead_s(effects, Location::CurrentSensor),
     };
     delay_s(effects) + ahead
 }

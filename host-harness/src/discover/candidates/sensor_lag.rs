@@ -92,8 +92,7 @@ mod tests {
     #[test]
     fn a_digital_filter_of_the_current_is_found_with_its_time_constant_and_half_a_period_ahead() {
         let nominal = trial::motor();
-        let log =
-            record(&nominal, &Experiment { duration_s: 1.0, ..Experiment::clean(1.0) }, 4).unwrap();
+        let log = record(&nominal, &Experiment::clean(1.0), 4).unwrap();
         let interval = log.time_s[1] - log.time_s[0];
         let constant = 8.0 * interval;
         let flowing = log.current_a.as_ref().unwrap();

@@ -33,7 +33,7 @@ pub(crate) fn keep_confirmed(
         let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
         let short = |k: usize, own: &Witnessed| match certain(k) {
-            false if disturbed => margin(own.all(), by_chance),
+            false if disturbed => margin(&own.all(), by_chance),
             false if !noise => own.least(),
             _ => own.least() + SIGMAS,
         };
@@ -60,9 +60,9 @@ fn by_chance(found: &Search) -> f64 {
 
 /// By how many standard errors samples that no fit has seen confirm an effect beside a disturbance, from the t of their
 /// likelihood, of their squared errors, and of other records: none may speak against it, and one has to be beyond chance.
-pub(crate) fn margin(told: impl Iterator<Item = f64> + Clone, by_chance: f64) -> f64 {
-    let most = told.clone().fold(f64::NEG_INFINITY, f64::max);
-    told.fold(most - by_chance, f64::min)
+pub(crate) fn margin(told: &[f64], by_chance: f64) -> f64 {
+    let most = told.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    told.iter().copied().fold(most - by_chance, f64::min)
 }
 
 /// What samples that no fit has seen say of an effect.
@@ -81,8 +81,8 @@ impl Witnessed {
     }
 
     /// Every t there is.
-    pub(crate) fn all(&self) -> impl Iterator<Item = f64> + Clone + use<> {
-        [self.unseen.t, self.unseen.nearer].into_iter().chain(self.elsewhere)
+    fn all(&self) -> Vec<f64> {
+        [self.unseen.t, self.unseen.nearer].into_iter().chain(self.elsewhere).collect()
     }
 
     /// The t of all together.
@@ -130,8 +130,8 @@ mod tests {
             (vec![1.7, 0.2, 9.0], true),
             (vec![4.0, 4.0, -0.1], false),
         ] {
-            assert_eq!(margin(told.iter().copied(), 3.3) >= 0.0, confirmed, "{told:?}");
+            assert_eq!(margin(&told, 3.3) >= 0.0, confirmed, "{told:?}");
         }
-        assert_eq!(margin([4.0, 0.25].into_iter(), 3.3), 0.25);
+        assert_eq!(margin(&[4.0, 0.25], 3.3), 0.25);
     }
 }

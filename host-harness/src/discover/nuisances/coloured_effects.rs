@@ -113,7 +113,7 @@ fn confirmed(
             break;
         }
         let Unseen { t, nearer, .. } = unseen(problem, plain, &stage.fit, &tested)?;
-        if margin([t, nearer].into_iter(), SIGMAS) >= 0.0 {
+        if margin(&[t, nearer], SIGMAS) >= 0.0 {
             return Ok(Some((contender, stage)));
         }
         if t.min(nearer) > 0.0 {

@@ -7,8 +7,9 @@
 //! lag with a lead, which is a delay where that is negative: within one, samples do not tell a delay from a filter, so that
 //! a filter which was found that fast is the log's timing, too.
 
-use joint_core::effect::{EffectParameters, Kind};
+use joint_core::effect::{EffectParameters, Kind, sensor_lag};
 use joint_core::joint::Drive;
+use joint_core::params::Location;
 use rayon::prelude::*;
 
 use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN};
@@ -191,18 +192,17 @@ pub(crate) fn told(given: &Model, timed: &Model, model: &Model) -> Option<String
     let timing =
         |model: &Model| (model.sensor.current_delay_s, model.effects.iter().any(is_of_the_current));
     (timing(timed) != timing(given)).then(|| {
-        let left = lag_in(model).map_or(0.0, |lag| lag.values[0] - lag.values[1]);
+        let [lag, ahead] = [sensor_lag::time_constant_s, sensor_lag::lead_s]
+            .map(|of| of(&model.effects, Location::CurrentSensor));
         format!(
             "i_a is shown {} after it flowed: the model's current sensor has that",
-            si(model.sensor.current_delay_s + left, "s", 2)
+            si(model.sensor.current_delay_s + lag - ahead, "s", 2)
         )
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use joint_core::params::Location;
-
     use super::*;
     use crate::discover::candidates::sensor_lag::lagging;
     use crate::discover::trial;
@@ -253,7 +253,7 @@ mod tests {
         let filtered = |i: &[f64], t: &[f64]| Reported::Filtered(8.0 * interval).of(i, t, interval);
         assert!(found(None, filtered).is_none());
         assert!(found(Some(6.0), filtered).is_none());
-        // One that is far slower than any current is late.
+        // Nor is a filter that is slower than any delay which is asked for.
         let slow = |i: &[f64], t: &[f64]| Reported::Filtered(60.0 * interval).of(i, t, interval);
         assert!(found(None, slow).is_none());
         assert!(found(None, |i, _| i.to_vec()).is_none());
