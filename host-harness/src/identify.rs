@@ -7,6 +7,7 @@ use serde_json::{Map, json};
 use crate::discover::DiscoverError;
 use crate::discover::findings::ParameterRow;
 use crate::estimate::coordinates::Coordinate;
+use crate::estimate::finer::{FINER, finer};
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::{Channel, Record};
 use crate::estimate::refit;
@@ -49,14 +50,18 @@ pub fn identified(
         return Err(DiscoverError::Short(short));
     }
     let coarse = Record::join(logs, None)?;
-    let record = coarse.refined(micro_steps(model, coarse.grid.interval(0)).max(2));
+    let micro_steps = micro_steps(model, coarse.grid.interval(0)).max(2);
+    let record = coarse.refined(micro_steps);
     let mask = vec![1.0; record.len()];
     let fitted = |record: &Record| refit::refit(&Problem::new(record, &mask).cautious(), model);
     let (record, mut fit) = asked(model, record, &mask, fitted)?;
     let problem = Problem::new(&record, &mask).cautious();
     let Some(window_s) = window_s else {
+        let covariance = problem.covariance(&fit);
+        let steps = record.refined(FINER * micro_steps);
+        fit = finer(&Problem::new(&steps, &mask), model, &fit)?;
         fit.model = record.timed(fit.model);
-        let rows = rows(model, &fit, &problem.covariance(&fit));
+        let rows = rows(model, &fit, &covariance);
         return Ok(Identified { rows, fit, record, simulated: None });
     };
     fit.coordinates.extend(simulation::of_effects(model));

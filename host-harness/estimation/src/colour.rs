@@ -14,6 +14,7 @@ use super::filter::{Colour, Disturbed, Linearisation, Noise};
 use super::fit::Problem;
 use super::noise::refine_along;
 use super::record::{Channel, Record};
+use super::scoring::Source;
 use crate::interrupt;
 use joint_simulation::model::Model;
 use joint_simulation::plant::BuildError;
@@ -25,6 +26,10 @@ const LONGEST: f64 = 0.1;
 const RATIO: f64 = 4.0;
 /// Most white noise, over what is expected, that the search for a disturbance begins with.
 const WHITE: f64 = 3.0;
+/// Share of the white noise's power that the score test's disturbance has: next to none.
+const SMALL: f64 = 1e-3;
+/// Share of what a disturbance has to gain that the score test has to promise of one, for it to be fitted.
+const PROMISING: f64 = 0.25;
 
 /// The noise at a model, with a coloured disturbance on every equation where that makes the record likelier by
 /// more than two numbers should (Schwarz, Ann. Stat. 6, 1978). One that `start` has is asked again, near its correlation
@@ -57,15 +62,19 @@ pub fn coloured(
         // A known one is asked again near its correlation time alone.
         let own = best.coloured[place as usize].correlation_s;
         let near = |time: &f64| !known || (time / own).ln().abs() < 1.5 * RATIO.ln();
+        let bound = 2.0 * samples.ln();
         let times: Vec<f64> = times(problem.record).filter(near).collect();
         let trials = times.into_par_iter().map(|correlation_s| {
+            let promised = || promised(problem, along, model, &plain, (place, correlation_s));
+            if !known && promised()? < PROMISING * bound {
+                return Ok(None);
+            }
             let begun = begun(problem.record, expected, &best, place, correlation_s);
-            tried(problem, along, model, expected, &begun)
+            tried(problem, along, model, expected, &begun).map(Some)
         });
-        let trials = trials.collect::<Result<Vec<_>, _>>()?;
-        let with = trials.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let trials = trials.collect::<Result<Vec<_>, BuildError>>()?;
+        let with = trials.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         let Some(with) = with else { continue };
-        let bound = 2.0 * samples.ln();
         let better = if without.0 - with.0 > bound { with } else { without };
         if !known || better.0 < least || better.1 == without.1 {
             (least, best) = better;
@@ -90,11 +99,47 @@ pub fn drive_is_white(
     let white = problem.deviance_along(&along, model, &noise)?;
     let bound = 2.0 * problem.mask.iter().sum::<f64>().max(2.0).ln();
     let coloured = times(problem.record).collect::<Vec<_>>().into_par_iter().map(|correlation_s| {
-        let begun = begun(problem.record, expected, &noise, Disturbed::Drive, correlation_s);
-        tried(problem, &along, model, expected, &begun)
+        let place = Disturbed::Drive;
+        if promised(problem, &along, model, &noise, (place, correlation_s))? < PROMISING * bound {
+            return Ok(white);
+        }
+        let begun = begun(problem.record, expected, &noise, place, correlation_s);
+        tried(problem, &along, model, expected, &begun).map(|(coloured, _)| coloured)
     });
-    let coloured = coloured.collect::<Result<Vec<_>, _>>()?;
-    Ok(coloured.into_iter().all(|(coloured, _)| white - coloured <= bound))
+    let coloured = coloured.collect::<Result<Vec<_>, BuildError>>()?;
+    Ok(coloured.into_iter().all(|coloured| white - coloured <= bound))
+}
+
+/// What a disturbance of a correlation time promises to take from minus twice the log-likelihood, by its score where it is
+/// next to nothing, beside white noises that are free (Rao, Proc. Camb. Phil. Soc. 44, 1948): zero where less than
+/// none is asked for.
+fn promised(
+    problem: &Problem<'_>,
+    along: &Linearisation,
+    model: &Model,
+    noise: &Noise,
+    (place, correlation_s): (Disturbed, f64),
+) -> Result<f64, BuildError> {
+    let mut small = begun(problem.record, noise, &without(noise, place), place, correlation_s);
+    small.coloured[place as usize].deviation *= f64::sqrt(SMALL);
+    let mut sources = vec![Source::Torque, Source::Coloured(place)];
+    if problem.record.drive == Drive::Voltage {
+        sources.insert(0, Source::Drive);
+    }
+    let along = &mut Cow::Borrowed(along);
+    let (_, gradient, curvature) = problem.scored_along(along, model, &small, &sources)?;
+    let own = sources.len() - 1;
+    let across = curvature.view((0, own), (own, 1)).into_owned();
+    let Some(free) = curvature.view((0, 0), (own, own)).into_owned().cholesky() else {
+        return Ok(f64::INFINITY);
+    };
+    let beside = free.solve(&across);
+    let slope = gradient[own] - beside.dot(&gradient.rows(0, own));
+    let curvature = curvature[(own, own)] - beside.dot(&across);
+    Ok(match slope < 0.0 && curvature > 0.0 {
+        true => 0.5 * slope * slope / curvature,
+        false => 0.0,
+    })
 }
 
 /// The same with a noise of the reversal or without, whichever this record asks for by more than one number
@@ -183,7 +228,6 @@ mod tests {
     use super::*;
     use crate::noise::expected;
     use crate::replicate;
-    use crate::scoring::Source;
     use joint_simulation::demo::actuator;
     use joint_simulation::synthetic::{Experiment, record};
 
@@ -233,6 +277,31 @@ mod tests {
         let problem = Problem::new(&record, &mask);
         let found = coloured(&problem, &model, &expected, &expected).unwrap();
         assert!(!found.is_disturbed(), "{found:?}");
+    }
+
+    #[test]
+    fn the_score_promises_a_disturbance_that_is_there_and_none_that_is_not() {
+        for (times, there) in [(0.0, false), (2.0, true), (40.0, true)] {
+            let (model, record, expected, _) = replicate(|expected| {
+                let mut noise = expected;
+                let deviation = times * expected.torque;
+                noise.coloured[Disturbed::Rotor as usize] =
+                    Colour { deviation, correlation_s: 0.02 };
+                noise
+            });
+            let mask = vec![1.0; record.len()];
+            let problem = Problem::new(&record, &mask);
+            let mut along = Cow::Owned(Linearisation::default());
+            let noise = refine_along(&problem, &mut along, &model, &expected, &expected).unwrap();
+            let most = super::times(&record)
+                .map(|time| {
+                    promised(&problem, &along, &model, &noise, (Disturbed::Rotor, time)).unwrap()
+                })
+                .fold(0.0, f64::max);
+            let bound = 2.0 * (record.len() as f64).ln();
+            assert_eq!(most > bound, there, "{times}: {most}");
+            assert!(there || most < PROMISING * bound, "{most}");
+        }
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod covariance;
 mod descent;
 mod encoders;
 pub mod filter;
+pub mod finer;
 pub mod fit;
 pub mod free_run;
 pub mod gains;

@@ -39,18 +39,22 @@ impl Lanes {
 
     #[inline(always)]
     fn each(self, of: impl Fn(f64) -> f64) -> Self {
-        let mut lanes = [0.0; LANES];
-        for (lane, own) in lanes.iter_mut().zip(&self.0) {
-            *lane = of(*own);
+        let mut lanes = self.0;
+        let mut k = 0;
+        while k < LANES {
+            lanes[k] = of(lanes[k]);
+            k += 1;
         }
         Self(lanes)
     }
 
     #[inline(always)]
     fn both(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        let mut lanes = [0.0; LANES];
-        for ((lane, own), other) in lanes.iter_mut().zip(&self.0).zip(&other.0) {
-            *lane = of(*own, *other);
+        let mut lanes = self.0;
+        let mut k = 0;
+        while k < LANES {
+            lanes[k] = of(lanes[k], other.0[k]);
+            k += 1;
         }
         Self(lanes)
     }
@@ -125,16 +129,20 @@ impl Number for Lanes {
     #[inline(always)]
     fn below(self, other: Self) -> Mask {
         let mut mask = [0; LANES];
-        for ((mask, own), other) in mask.iter_mut().zip(&self.0).zip(&other.0) {
-            *mask = if own < other { u64::MAX } else { 0 };
+        let mut k = 0;
+        while k < LANES {
+            mask[k] = if self.0[k] < other.0[k] { u64::MAX } else { 0 };
+            k += 1;
         }
         Mask(mask)
     }
     #[inline(always)]
     fn choose(mask: Mask, there: Self, elsewhere: Self) -> Self {
         let mut lanes = elsewhere.0;
-        for ((lane, there), mask) in lanes.iter_mut().zip(&there.0).zip(&mask.0) {
-            *lane = if *mask != 0 { *there } else { *lane };
+        let mut k = 0;
+        while k < LANES {
+            lanes[k] = if mask.0[k] != 0 { there.0[k] } else { lanes[k] };
+            k += 1;
         }
         Self(lanes)
     }

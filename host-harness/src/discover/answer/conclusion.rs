@@ -25,7 +25,9 @@ use crate::discover::evidence::budget::{FreeRun, Weighed};
 use crate::discover::evidence::rest::{Rest, mapped};
 use crate::discover::state::constant::Constant;
 use crate::discover::state::search::Search;
-use crate::estimate::fit::Problem;
+use crate::discover::state::stage::Stage;
+use crate::estimate::finer::finer;
+use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::scout::Scout;
 use crate::interrupt;
 use crate::log::Log;
@@ -82,10 +84,13 @@ impl Conclusion<'_> {
         let complaints = left.complaints(found.rounds.is_empty());
         let Evidence { weighed, free_run, gap, answer, rest } =
             self.evidence(&located, &left, gap, unseen)?;
-        let (before, after) = (&found.before.fit, &found.after.fit);
-        let covariance = Problem::new(record, fitted).covariance(after);
+        let covariance = Problem::new(record, fitted).covariance(&found.after.fit);
+        let after = &self.settled()?;
+        // A nominal that lacks something is off by more than its steps.
+        let before = if found.rounds.is_empty() { after } else { &found.before.fit };
         let clean = complaints.is_empty() && self.constant().is_none();
-        let effects = named(found, nominal.effects.len(), clean, (&weighed, unseen), &covariance);
+        let effects =
+            named((found, after), nominal.effects.len(), clean, (&weighed, unseen), &covariance);
         let explained = weighed.budget.as_ref().map_or(0.0, |budget| budget.named);
         let unnamed = rest.as_ref().and_then(|rest| unnamed(rest, 1.0 - explained));
         let next_experiment = self.advice(answer, &located);
@@ -130,6 +135,14 @@ impl Conclusion<'_> {
             left,
             experiment: located.experiment,
         })
+    }
+
+    /// The improved model with the values of the finest steps.
+    fn settled(&self) -> Result<Fit, BuildError> {
+        let Self { found, stepped, split, bar, .. } = self;
+        bar.set_message("taking the values at finer steps");
+        let Stage { fit, origin } = &found.after;
+        finer(&Problem::new(&stepped.finest, &split.fitted), origin, fit)
     }
 
     /// The kind that cannot be told from a constant torque, if one was named: gravity.

@@ -19,13 +19,12 @@ use crate::estimate::fit::Fit;
 /// Every effect that was found, in order. `standing` effects are the given model's own; the rest is `clean` where
 /// it is noise.
 pub(crate) fn named(
-    found: &Search,
+    (found, fit): (&Search, &Fit),
     standing: usize,
     clean: bool,
     (weighed, unseen): (&Weighed, &[Witnessed]),
     covariance: &DMatrix<f64>,
 ) -> Vec<Named> {
-    let fit = &found.after.fit;
     let first = found.scores.iter().filter(|row| row.round == 1);
     let tried = first.count();
     // What is more than a disturbance may be has a cause of its own, whether it is predicted or not, of which an effect
