@@ -3,7 +3,8 @@
 //! Every lane takes exactly the operations of an `f64`, so that a joint gives the same bits in a lane as
 //! alone; a processor takes four or eight of them at once, in the time of one. They are an array, which
 //! [`crate::wide`] has compiled for the registers at hand: the vectors of `wide` are those that all
-//! processors have, and those of `pulp` ask every sum for a proof of the processor.
+//! processors have, and those of `pulp` ask every sum for a proof of the processor. Loops over lanes count: a
+//! step has thousands, and iterators in them take three times as long to compile.
 
 use std::f64::consts::LOG2_E;
 use std::ops::{Add, Mul, Neg, Sub};
