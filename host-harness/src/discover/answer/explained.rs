@@ -21,7 +21,7 @@ use crate::model::Model;
 use crate::plant::BuildError;
 
 /// How many times finer the step is made to say more closely what is missing.
-const FINER: u32 = 2;
+pub(crate) const FINER: u32 = 2;
 /// The same where the step may be what is missing.
 const FINEST: u32 = 4;
 
@@ -73,6 +73,14 @@ impl Explained {
             own.take(&problem, other)?;
         }
         Ok(own)
+    }
+
+    /// Whether the nominal is all there is though a score is beyond chance that no disturbance has part in.
+    pub(crate) fn hides_something(&self) -> bool {
+        let Search { rounds, scores, chance, after, .. } = &self.found;
+        let best = scores.iter().map(|row| row.score).fold(0.0, f64::max);
+        let beyond = chance.first().is_some_and(|chance| best > *chance);
+        rounds.is_empty() && beyond && !after.fit.noise.is_disturbed() && self.leaves_noise()
     }
 
     /// Whether what is left is noise.

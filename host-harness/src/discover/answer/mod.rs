@@ -18,6 +18,7 @@ mod next_experiment;
 mod possible;
 mod reasons;
 mod rows;
+mod searched;
 mod split;
 mod undecided;
 mod whereabouts;
@@ -31,18 +32,17 @@ use self::conclusion::Conclusion;
 use self::explained::Explained;
 use self::findings::Findings;
 use self::located::Located;
+use self::searched::Searched;
 use self::split::Split;
 use self::undecided::undecided;
 use super::checks::alike::ask_alike;
 use super::error::DiscoverError;
 use super::evidence::excitation::cannot_tell;
-use super::nuisances::timing::{Timed, search_timed};
 use crate::estimate::fit::Problem;
 use crate::estimate::record::Record;
 use crate::interrupt;
 use crate::log::Log;
 use crate::model::Model;
-use crate::plant::micro_steps;
 use crate::preflight::{self, LEAST_SAMPLES};
 
 /// Samples that are looked at; longer logs are thinned to stretches.
@@ -79,24 +79,19 @@ pub fn discover_beside(
         return Err(DiscoverError::Short(samples));
     }
     let coarse = whole.thinned(MOST_SAMPLES);
-    // The filter corrects every sample, so that one interval need be right, not a whole run.
-    let fewest = micro_steps(nominal, coarse.grid.typical_interval());
-    let micro_steps = (fewest / 2).max(2).min(fewest);
     let lacking = cannot_tell(&coarse);
     if !lacking.is_empty() {
         return Ok(undecided(nominal, &coarse, lacking, began));
     }
-    let record = coarse.refined(micro_steps);
-    let split = Split::of(&record);
+    let split = Split::of(&coarse);
     let measured = preflight::measured(nominal, logs);
     let known = (withdrawn, &measured[..]);
 
     // Steps 1 to 4: the nominal refitted, hypotheses scored, the best refitted in full.
-    let Timed { record, late, found } = search_timed(record, &split.fitted, nominal, known, bar)?;
+    let searched = Searched::of(&coarse, &split.fitted, nominal, known, bar)?;
+    let Searched { record, micro_steps, late, mut explained } = searched;
     let given = nominal;
     let nominal = late.as_ref().unwrap_or(nominal);
-    let problem = Problem::new(&record, &split.fitted);
-    let mut explained = Explained::of(problem, nominal, found, known, bar)?;
     let stepped = explained.step(record, micro_steps, &split)?;
     if !interrupt::asked() {
         let problem = Problem::new(&stepped.record, &split.fitted);
