@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn steps_are_asked_where_a_score_is_beyond_chance_and_nothing_was_found_in_noise() {
         let nominal = trial::motor();
-        // A line too small to be one.
+        // Nothing is hidden.
         let line = trial::line(12.0).with("amplitude_nm", 0.0);
         let record = Record::new(&trial::log(&nominal, line, 4.0), None);
         let mask = vec![1.0; record.len()];
