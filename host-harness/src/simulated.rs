@@ -14,10 +14,7 @@ use crate::plant::{Snapshot, StageSnapshot};
 pub fn columns(model: &Model, log: &Log, snapshots: &[Snapshot]) -> Vec<(String, Vec<f64>)> {
     let all = |of: &dyn Fn(&Snapshot) -> f64| snapshots.iter().map(of).collect::<Vec<f64>>();
     let shown = encoders::shown(model, &log.time_s, snapshots);
-    let current = || {
-        let now = all(&|s| s.measured_current_a);
-        encoders::late(&now, &log.time_s, model.sensor.current_delay_s)
-    };
+    let current = || encoders::late_current(model, &all(&|s| s.measured_current_a), &log.time_s);
     let mut columns: Vec<(String, Vec<f64>)> = log
         .columns()
         .into_iter()

@@ -2,7 +2,8 @@
 //!
 //! A measurement that shows the past belongs to a past state. Shifted by whole samples it is taken
 //! there at once; what is left is less than half a sample, which the encoder's law covers with the
-//! speed.
+//! speed. A current has no speed that is known so well: where a voltage drives the joint, states stand at the instants at
+//! which it flowed, and what is left of its delay is the voltage's, and the encoders' the other way round.
 //!
 //! What acts on the joint is not always what its log says at that sample either ([`joint_simulation::acting`]).
 
@@ -13,7 +14,9 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 
 use super::record::{CHANNELS, Channel, Record};
-use joint_simulation::acting::{filtered_s, switch, switched, unfiltered};
+use joint_simulation::acting::{
+    acts_late_s, current_left_s, filtered_s, switch, switched, unfiltered,
+};
 use joint_simulation::model::Model;
 
 /// A record's measurements by the sample at which they were true.
@@ -22,7 +25,7 @@ pub struct Late<'a> {
     /// Measurements; NaN where the shift leaves none.
     pub measured: Cow<'a, [[f64; CHANNELS]]>,
     /// Time by which a measurement is ahead of its sample's state, without the delay itself: what the shift
-    /// has undone, s.
+    /// has undone, and what a state is before its sample, s.
     pub by: [f64; CHANNELS],
     /// The same in samples.
     pub samples: [isize; CHANNELS],
@@ -46,17 +49,19 @@ impl<'a> Late<'a> {
             Drive::Voltage => model.sensor.current_delay_s,
             Drive::Current => 0.0,
         };
+        let left = current_left_s(model, &record.grid);
         for (channel, delay) in [
-            (Channel::Current, current),
-            (Channel::Motor, delay_s(&model.effects, Location::Encoder)),
-            (Channel::Output, delay_s(&model.effects, Location::OutputEncoder)),
+            (Channel::Current, current - left),
+            (Channel::Motor, delay_s(&model.effects, Location::Encoder) - left),
+            (Channel::Output, delay_s(&model.effects, Location::OutputEncoder) - left),
         ] {
+            let c = channel as usize;
             let samples = (delay / interval).round();
-            if samples != 0.0 && samples.abs() < record.len() as f64 {
-                let c = channel as usize;
-                if channel != Channel::Current {
-                    late.by[c] += samples * interval;
-                }
+            let samples = if samples.abs() < record.len() as f64 { samples } else { 0.0 };
+            if channel != Channel::Current {
+                late.by[c] += samples * interval + left;
+            }
+            if samples != 0.0 {
                 late.samples[c] = samples as isize;
                 shift(late.measured.to_mut(), record, c, samples as isize);
             }
@@ -76,7 +81,7 @@ impl Late<'_> {
 /// What acts where that is not the record's own values; a joint's past ends where its log begins.
 fn drives(model: &Model, record: &Record) -> Vec<[f64; 2]> {
     let (constant, delay) =
-        (filtered_s(model, record.drive), record.grid.acts_late_s(&model.effects, record.drive));
+        (filtered_s(model, record.drive), acts_late_s(model, &record.grid, record.drive));
     if constant == 0.0 && delay == 0.0 {
         return Vec::new();
     }
@@ -114,9 +119,11 @@ mod tests {
 
     use super::*;
     use crate::filter::Observer;
+    use crate::fit::Problem;
+    use crate::noise::expected;
     use joint_simulation::demo::actuator;
     use joint_simulation::log::Log;
-    use joint_simulation::plant::{Layout, plant};
+    use joint_simulation::plant::{Inputs, Layout, ScalarKind, plant, simulate};
 
     #[test]
     fn a_measured_current_acts_around_its_sample_and_one_that_acts_late_around_later() {
@@ -159,6 +166,41 @@ mod tests {
         assert!(shown(&log)[2].0.is_nan() && shown(&log)[2].1 == 2.0);
         log.voltage_v = None;
         assert_eq!(Late::of(&model, &Record::new(&log, None)).samples, [0; CHANNELS]);
+    }
+
+    #[test]
+    fn a_current_that_is_late_by_parts_of_a_sample_is_the_state_where_it_flowed() {
+        let truth = actuator();
+        let (interval, parts) = (1e-3, 3);
+        // A voltage that is held over an interval, and the joint at its thirds: the current is taken a third before.
+        let volts = |k: usize| 0.5 * ((k * 7919) % 13) as f64 - 3.0;
+        let count = 400 * parts;
+        let inputs = Inputs {
+            time_s: (0..count).map(|k| k as f64 * interval / parts as f64).collect(),
+            drive: Drive::Voltage,
+            drive_values: (0..count).map(|k| volts(k / parts)).collect(),
+            load_nm: vec![0.0; count],
+        };
+        let run = simulate(&truth, &inputs, ScalarKind::F64, None, Some(2)).unwrap();
+        let rows = || (1..400).map(|k| parts * k);
+        let slow = Log {
+            time_s: rows().map(|k| inputs.time_s[k]).collect(),
+            voltage_v: Some(rows().map(|k| inputs.drive_values[k]).collect()),
+            current_a: Some(rows().map(|k| run[k - 1].measured_current_a).collect()),
+            motor_angle_rad: rows().map(|k| run[k].motor_angle_rad).collect(),
+            ..Log::default()
+        };
+        let record = Record::new(&slow, Some(6));
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask);
+        let deviance = |samples: f64| {
+            let mut model = truth.clone();
+            model.sensor.current_delay_s = samples * interval;
+            problem.deviance_along(&Default::default(), &model, &expected(&model, &record)).unwrap()
+        };
+        let found = [0.0, 0.2, 1.0 / 3.0, 0.5, 1.0].map(deviance);
+        assert!(found.iter().all(|other| found[2] <= *other), "{found:?}");
+        assert!(found[0] > found[2] + 100.0 && found[1] > found[2] + 10.0, "{found:?}");
     }
 
     #[test]

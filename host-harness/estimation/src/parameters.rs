@@ -51,12 +51,16 @@ pub enum Quantity {
     StribeckVelocity(usize),
     /// Level of all friction on the day of a log, from 1, over that of the first.
     FrictionLevel(usize),
+    /// How late a log shows the current beside a voltage.
+    CurrentDelay,
 }
 
 /// One sigma of what a datasheet gives, relative.
 const DATASHEET: f64 = 0.06;
 /// One sigma of what nobody measures, relative.
 const GUESSED: f64 = 0.16;
+/// One sigma of what is known by its order of magnitude alone, relative.
+const UNKNOWN: f64 = 1.0;
 
 impl Quantity {
     /// The levels of friction of so many logs of a model.
@@ -136,6 +140,7 @@ impl Quantity {
             | Quantity::TorqueConstant
             | Quantity::Inertia(_)
             | Quantity::LoadInertia => DATASHEET,
+            Quantity::CurrentDelay => UNKNOWN,
             _ => GUESSED,
         }
     }
@@ -185,6 +190,7 @@ impl Quantity {
             Quantity::Stribeck(m) => own(m, "stribeck_nm"),
             Quantity::StribeckVelocity(m) => own(m, "stribeck_velocity_rad_per_s"),
             Quantity::FrictionLevel(log) => format!("log{}.friction_level", log + 1),
+            Quantity::CurrentDelay => "sensor.current_delay_s".into(),
         }
     }
 
@@ -211,6 +217,7 @@ impl Quantity {
             Quantity::StribeckVelocity(m) => {
                 &mut friction_mut(model, m)?.stribeck_velocity_rad_per_s
             }
+            Quantity::CurrentDelay => &mut model.sensor.current_delay_s,
             Quantity::FrictionLevel(log) => {
                 let levels = &mut model.friction_levels;
                 levels.resize(levels.len().max(log + 1), 1.0);

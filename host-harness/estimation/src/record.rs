@@ -132,7 +132,9 @@ impl Record {
             whole.temperature_c = joined(whole.temperature_c, part.temperature_c);
         }
         let log_of = |k: usize| firsts.partition_point(|first| *first <= k) as u32;
-        whole.grid = Grid::new(&whole.time_s, micro_steps).of_logs(log_of);
+        let at_currents = whole.grid.at_currents;
+        let grid = Grid::new(&whole.time_s, micro_steps).at_currents(at_currents);
+        whole.grid = grid.of_logs(log_of);
         whole.ask_encoders();
         Ok(whole)
     }
@@ -164,7 +166,8 @@ impl Record {
                 [current, log.motor_angle_rad[k], at(&log.output_angle_rad, k)]
             })
             .collect();
-        let grid = Grid::new(&log.time_s, micro_steps);
+        let at_currents = drive == Drive::Voltage && log.current_a.is_some();
+        let grid = Grid::new(&log.time_s, micro_steps).at_currents(at_currents);
         let gap = GAP * grid.typical_interval();
         let gaps = (1..n).filter(|k| log.time_s[*k] - log.time_s[k - 1] > gap);
         let starts: Vec<usize> = std::iter::once(0).chain(gaps).collect();
@@ -245,9 +248,7 @@ impl Record {
 
     /// The same record with that many micro-steps in every interval.
     pub fn refined(&self, micro_steps: u32) -> Self {
-        let grid = Grid::new(&self.time_s, Some(micro_steps));
-        let grid = grid.leading(self.lead_s()).of_logs(|k| self.grid.log(k));
-        Self { grid, ..self.clone() }
+        Self { grid: self.grid.clone().refined(micro_steps), ..self.clone() }
     }
 
     /// The same record of a joint whose output feels a disturbance of its own.

@@ -19,6 +19,7 @@ use super::filter::{Linearisation, Noise};
 use super::fit::{Fit, Known, Problem};
 use super::noise;
 use super::parameters::Quantity;
+use joint_simulation::acting::current_left_s;
 use joint_simulation::model::Model;
 use joint_simulation::plant::BuildError;
 
@@ -338,11 +339,14 @@ pub fn cost(fit: &Fit) -> f64 {
     fit.deviance + fit.prior
 }
 
-/// The parameters that a refit of this model moves.
+/// The parameters that a refit of this model moves; a delay of the current by whole samples is held.
 pub fn coordinates(model: &Model, problem: &Problem<'_>) -> Vec<Coordinate> {
     let record = problem.record;
     let levels = Quantity::levels(model, record.logs());
-    Quantity::of(model, record.drive).into_iter().chain(levels).map(Coordinate::Parameter).collect()
+    let left = current_left_s(model, &record.grid) != 0.0;
+    let delay = left.then_some(Quantity::CurrentDelay);
+    let all = Quantity::of(model, record.drive).into_iter().chain(levels).chain(delay);
+    all.map(Coordinate::Parameter).collect()
 }
 
 #[cfg(test)]

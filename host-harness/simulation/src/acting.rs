@@ -40,9 +40,21 @@ pub fn filtered_s(model: &Model, drive: Drive) -> f64 {
     }
 }
 
+/// How long after the instant from which a joint is stepped along a grid its sample's input acts, s.
+pub fn acts_late_s(model: &Model, grid: &Grid, drive: Drive) -> f64 {
+    imposed_late_s(&model.effects, drive) - grid.lead_s + current_left_s(model, grid)
+}
+
+/// What is left beside whole samples of the delay with which a log shows the current, s, at most half a sample of either
+/// sign; zero where the joint is stepped from sample to sample.
+pub fn current_left_s(model: &Model, grid: &Grid) -> f64 {
+    let (delay, interval) = (model.sensor.current_delay_s, grid.typical_interval());
+    if grid.at_currents { delay - (delay / interval).round() * interval } else { 0.0 }
+}
+
 /// How long after it is imposed an input acts, s; a current whose report is ahead of its filter acts as much
 /// later than the filter undone.
-pub fn acts_late_s(effects: &[EffectParameters], drive: Drive) -> f64 {
+fn imposed_late_s(effects: &[EffectParameters], drive: Drive) -> f64 {
     let ahead = match drive {
         Drive::Voltage => 0.0,
         Drive::Current => sensor_lag::lead_s(effects, Location::CurrentSensor),
@@ -126,7 +138,7 @@ impl Inputs {
     /// log; `None` where they are the same.
     pub fn acting(&self, model: &Model) -> Option<(Self, Vec<usize>)> {
         let constant = filtered_s(model, self.drive);
-        let delay = acts_late_s(&model.effects, self.drive) - self.lead_s(model);
+        let delay = imposed_late_s(&model.effects, self.drive) - self.lead_s(model);
         if constant == 0.0 && delay == 0.0 {
             return None;
         }
@@ -247,7 +259,7 @@ mod tests {
         let lag = lag.with("time_constant_s", 2.0).with("lead_s", 0.5);
         let delay = EffectParameters::new(Kind::InputDelay, Location::Inverter);
         let effects = [lag, delay.with("delay_s", 0.25)];
-        let late = [Drive::Current, Drive::Voltage].map(|drive| acts_late_s(&effects, drive));
+        let late = [Drive::Current, Drive::Voltage].map(|drive| imposed_late_s(&effects, drive));
         assert_eq!(late, [0.75, 0.25]);
     }
 

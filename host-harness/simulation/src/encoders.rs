@@ -1,4 +1,5 @@
-//! What the encoders show of a run: the angles, bent by what is wrong with the encoders.
+//! What the sensors show of a run: the angles, bent by what is wrong with the encoders, and the current as late as its
+//! report.
 //!
 //! Laws stand in `joint-core`. A delay and a filter need the past, which the drive does not keep and a whole run
 //! has: here the run itself is asked, exact but for the interpolation between samples.
@@ -7,7 +8,7 @@ use joint_core::angle::Angle;
 use joint_core::effect::sensor_delay::delay_s;
 use joint_core::effect::sensor_lag::{lead_s, time_constant_s};
 use joint_core::effect::{EffectParameters, EffectSet, Effects, Kind, MEMORIES};
-use joint_core::params::Location;
+use joint_core::params::{Location, Motor};
 use joint_core::per_unit::Bases;
 use std::f64::consts::TAU;
 
@@ -73,6 +74,28 @@ pub fn lagging(values: &[f64], time_s: &[f64], [constant_s, lead_s]: [f64; 2]) -
 
 /// A series as it was `delay` seconds before each of its times, held at its ends.
 pub fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
+    late_by(values, time_s, delay, |since, interval| since / interval)
+}
+
+/// The motor's current as late as a model's sensor reports it: between two samples, over which a drive holds its
+/// voltage, the winding goes from the one to the other exponentially.
+pub fn late_current(model: &Model, values: &[f64], time_s: &[f64]) -> Vec<f64> {
+    let Motor { phase_inductance_h, phase_resistance_ohm, .. } = model.motor;
+    let constant_s = phase_inductance_h / phase_resistance_ohm;
+    let reached = |since: f64, interval: f64| {
+        let share = (-since / constant_s).exp_m1() / (-interval / constant_s).exp_m1();
+        if share.is_finite() { share } else { since / interval }
+    };
+    late_by(values, time_s, model.sensor.current_delay_s, reached)
+}
+
+/// The same where a series has gone a share of its way to the next value by then.
+fn late_by(
+    values: &[f64],
+    time_s: &[f64],
+    delay: f64,
+    share: impl Fn(f64, f64) -> f64,
+) -> Vec<f64> {
     if delay == 0.0 {
         return values.to_vec();
     }
@@ -81,7 +104,7 @@ pub fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
         match (after.checked_sub(1).and_then(|k| values.get(k)), values.get(after)) {
             (Some(before), Some(next)) => {
                 let (from, to) = (time_s[after - 1], time_s[after]);
-                before + (next - before) * (time - from) / (to - from)
+                before + (next - before) * share(time - from, to - from)
             }
             (Some(end), None) | (None, Some(end)) => *end,
             (None, None) => f64::NAN,
@@ -110,6 +133,22 @@ mod tests {
         let shown = shown(&model, &time_s, &run);
         assert!((shown.motor[50] - 50.0 * (0.05 - 2.5e-3)).abs() < 1e-9);
         assert_eq!((shown.motor[1], shown.output[50]), (0.0, 2.5));
+    }
+
+    #[test]
+    fn a_late_current_is_what_flowed_in_the_winding_between_samples() {
+        let mut model = actuator();
+        model.motor.phase_inductance_h = 2e-3 * model.motor.phase_resistance_ohm;
+        model.sensor.current_delay_s = 0.4e-3;
+        let time_s: Vec<f64> = (0..20).map(|k| 1e-3 * f64::from(k)).collect();
+        let flows = |t: f64| 3.0 * (1.0 - (-t / 2e-3).exp());
+        let values: Vec<f64> = time_s.iter().map(|t| flows(*t)).collect();
+        let shown = late_current(&model, &values, &time_s);
+        assert!((5..20).all(|k| (shown[k] - flows(time_s[k] - 0.4e-3)).abs() < 1e-12));
+        assert!((late(&values, &time_s, 0.4e-3)[1] - shown[1]).abs() > 0.05);
+        // A winding without resistance goes straight.
+        model.motor.phase_resistance_ohm = 0.0;
+        assert_eq!(late_current(&model, &values, &time_s), late(&values, &time_s, 0.4e-3));
     }
 
     #[test]

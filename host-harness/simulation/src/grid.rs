@@ -3,10 +3,7 @@
 
 use std::collections::HashMap;
 
-use joint_core::effect::EffectParameters;
-use joint_core::joint::{Drive, Method};
-
-use crate::acting::acts_late_s;
+use joint_core::joint::Method;
 
 /// Typical intervals from which on missing samples are a gap, and the joint behind it one that may
 /// have done anything.
@@ -30,6 +27,9 @@ pub struct Grid {
     /// How long before its sample a drive value begins to act, s: half an interval where it is a measured
     /// current, zero where it was imposed.
     pub lead_s: f64,
+    /// Whether the joint is stepped between the instants at which a current flowed that its log shows late, not between
+    /// those of the samples: what is left of that delay beside whole samples is then an input that acts later.
+    pub at_currents: bool,
     /// Median interval, s.
     typical: f64,
 }
@@ -66,13 +66,15 @@ impl Grid {
             micro_steps,
             method: None,
             lead_s: 0.0,
+            at_currents: false,
             typical,
         }
     }
 
     /// Of other sample times, with steps as here.
     pub fn over(&self, time_s: &[f64]) -> Self {
-        Self { method: self.method, lead_s: self.lead_s, ..Self::new(time_s, self.micro_steps) }
+        let Self { method, lead_s, at_currents, micro_steps, .. } = *self;
+        Self { method, lead_s, at_currents, ..Self::new(time_s, micro_steps) }
     }
 
     /// The same of several logs: by sample, which it is of.
@@ -111,6 +113,16 @@ impl Grid {
         Self { lead_s, ..self }
     }
 
+    /// The same, stepped between the instants at which a current flowed that its log shows late.
+    pub fn at_currents(self, at_currents: bool) -> Self {
+        Self { at_currents, ..self }
+    }
+
+    /// The same with so many micro-steps in a typical interval.
+    pub fn refined(self, micro_steps: u32) -> Self {
+        Self { micro_steps: Some(micro_steps), ..self }
+    }
+
     /// Micro-steps of an interval: more where a sample is missing, the same where a clock jitters.
     pub fn micro_steps(&self, interval: f64) -> Option<u32> {
         let asked = self.micro_steps?;
@@ -120,11 +132,6 @@ impl Grid {
     /// What is stepped of an interval: an estimator starts anew behind a gap.
     pub fn bridged(&self, interval: f64) -> f64 {
         if self.micro_steps.is_some() { interval.min(GAP * self.typical) } else { interval }
-    }
-
-    /// How long after its sample what a drive imposes acts where these effects are, s.
-    pub fn acts_late_s(&self, effects: &[EffectParameters], drive: Drive) -> f64 {
-        acts_late_s(effects, drive) - self.lead_s
     }
 
     /// Median interval, s.

@@ -33,7 +33,8 @@ pub struct Sensor {
     /// sample, not for the one behind it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub current_is_measured: bool,
-    /// How late a log shows the current, where a voltage drives the joint, s: whole samples.
+    /// How late a log shows the current, where a voltage drives the joint, s; refitted where it is no whole number of
+    /// samples.
     #[serde(skip_serializing_if = "is_zero")]
     pub current_delay_s: f64,
 }

@@ -14,7 +14,7 @@ use joint_core::params::ParameterError;
 use joint_core::per_unit::{Bases, reflected_inertia};
 use joint_core::scalar::Scalar;
 
-use crate::acting::{at_samples, stepped, switch};
+use crate::acting::{acts_late_s, at_samples, stepped, switch};
 use crate::grid::Grid;
 use crate::lanes::{self, Abreast, Constants, Linear};
 use crate::model::Model;
@@ -293,7 +293,7 @@ pub use crate::by_stages;
 /// A parameter that the equations cannot take, or too many stages.
 pub fn plant(model: &Model, grid: &Grid, drive: Drive) -> Result<Box<dyn Plant>, BuildError> {
     by_stages!(model.stages.len(), N => {
-        let late = grid.acts_late_s(&model.effects, drive);
+        let late = acts_late_s(model, grid, drive);
         Ok(Box::new(Built::<f64, N>::new(model, grid, drive, late)?))
     })
 }

@@ -3,7 +3,9 @@
 //! With both angles in the log nobody has to believe a reduction: it is the slope of one over the other.
 //! A ratio that is off biases every fit and is named as an encoder's error. Wind-up, a late encoder and
 //! backlash follow torque, acceleration, speed and its sign; the slope is fitted with and without these
-//! beside it, and what both fits agree on is the ratio.
+//! beside it, and what both fits agree on is the ratio. Where the output moves so little that its springs under the
+//! drive's torque make more of a difference than the ratio, a load that itself follows the angle (a coating, gravity)
+//! looks the same: there it is a warning.
 
 use super::regression::Rows;
 use super::torque_balance::{as_one_s, drive_torque};
@@ -11,6 +13,7 @@ use super::unit::figure;
 use super::windows::{Windows, scatter};
 use super::{Case, Check, Finding, Severity};
 use crate::model::Model;
+use joint_core::params::Stage;
 
 /// How far off a ratio may be, as a share of it: half a per cent.
 const ALLOWED: f64 = 0.005;
@@ -22,8 +25,17 @@ const NEAR: f64 = 0.02;
 pub(super) const CHECK: Check =
     Check { name: "gear-ratio", compares: "the output's angle against the motor's", run };
 
-/// Output angle over motor angle with its standard error, without and with what winds the gear beside it.
-fn slopes(case: &Case<'_>) -> Option<[(f64, f64); 2]> {
+/// What both encoders tell.
+struct Measured {
+    /// Output angle over motor angle with its standard error, without and with what winds the gear beside it.
+    slopes: [(f64, f64); 2],
+    /// Half of how far the output travels, rad.
+    travel_rad: f64,
+    /// By how much the drive can wind the gear, rad at the output.
+    windup_rad: f64,
+}
+
+fn measured(case: &Case<'_>) -> Option<Measured> {
     let (model, log) = (case.model, case.log);
     let output = log.output_angle_rad.as_ref()?;
     let windows = Windows::clear(log, &log.motor_angle_rad, as_one_s(model));
@@ -39,7 +51,27 @@ fn slopes(case: &Case<'_>) -> Option<[(f64, f64); 2]> {
         let sign = (speeds[k] / slowest).clamp(-1.0, 1.0);
         wound.push(output[k], &[motor[k], 1.0, torque, accelerations[k], speeds[k], sign]);
     }
-    Some([plain.fit()?.coefficient(0), wound.fit()?.coefficient(0)])
+    let [low, high] = output
+        .iter()
+        .filter(|angle| angle.is_finite())
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], angle| {
+            [low.min(*angle), high.max(*angle)]
+        });
+    let largest = torque.iter().flatten().fold(0.0, |most: f64, torque| most.max(torque.abs()));
+    Some(Measured {
+        slopes: [plain.fit()?.coefficient(0), wound.fit()?.coefficient(0)],
+        travel_rad: 0.5 * (high - low),
+        windup_rad: windup_rad(model, largest),
+    })
+}
+
+/// By how much a torque at the motor winds the gear, rad at the output, by its linear stiffness.
+fn windup_rad(model: &Model, torque_nm: f64) -> f64 {
+    let wind = |(torque, wound): (f64, f64), stage: &Stage| {
+        let torque = torque * stage.reduction.abs();
+        (torque, wound / stage.reduction.abs() + torque / stage.stiffness_nm_per_rad)
+    };
+    model.stages.iter().fold((torque_nm, 0.0), wind).1
 }
 
 fn run(case: &Case<'_>) -> Vec<Finding> {
@@ -47,7 +79,9 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
     if model.stages.is_empty() {
         return Vec::new();
     }
-    let Some(slopes) = slopes(case) else { return Vec::new() };
+    let Some(Measured { slopes, travel_rad, windup_rad }) = measured(case) else {
+        return Vec::new();
+    };
     let nominal: f64 = model.stages.iter().map(|stage| stage.reduction).product();
     // Off the nominal as a share, for certain: at least this much, and to this side.
     let beyond = slopes.map(|(slope, error)| {
@@ -66,13 +100,17 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
     let share = 100.0 * (nominal * slope - 1.0);
     if beyond[0] * beyond[1] > 0.0 && known && apart < 0.5 * (slope - 1.0 / nominal).abs() {
         let (what, help) = mistake(model, slope * nominal, &measured);
-        return vec![
-            Finding::error(format!(
-                "output_angle_rad and motor_angle_rad make a gear ratio of {measured}, the model's is {}{what}",
-                figure(nominal, 0.0)
-            ))
-            .help(help),
-        ];
+        let wound = (slope * nominal - 1.0).abs() * travel_rad < windup_rad;
+        let severity = if wound { Severity::Warning } else { Severity::Error };
+        let message = format!(
+            "output_angle_rad and motor_angle_rad make a gear ratio of {measured}, the model's is {}{what}",
+            figure(nominal, 0.0)
+        );
+        let message = match wound {
+            true => format!("{message}; over so little travel the gear's wind-up may do that"),
+            false => message,
+        };
+        return vec![Finding::new(severity, message).help(help)];
     }
     let severity = Severity::Note;
     if !known {
@@ -163,6 +201,21 @@ mod tests {
             assert!((named / 9.0 - 1.0).abs() < 0.2 * ALLOWED, "{named}");
         }
         assert_eq!(found(1.002, 1.0).severity, Severity::Note);
+    }
+
+    #[test]
+    fn what_the_gears_wind_up_may_do_is_a_warning() {
+        let (mut model, mut log) = actuator_and_log();
+        // The gear's spring under the drive's torque makes more than what is off over so little travel.
+        model.stages[0].stiffness_nm_per_rad *= 1e-3;
+        log.output_angle_rad.iter_mut().flatten().for_each(|value| *value *= 0.98);
+        let told = of(&CHECK, &model, &log).remove(0);
+        assert_eq!(told.severity, Severity::Warning, "{told:?}");
+        assert!(told.message.contains("wind-up"), "{told:?}");
+        let [once, twice] = [1.0, 2.0].map(|torque| windup_rad(&model, torque));
+        let stage = &model.stages[0];
+        assert!((once - stage.reduction / stage.stiffness_nm_per_rad).abs() < 1e-9 * once);
+        assert!((twice - 2.0 * once).abs() < 1e-9 * once);
     }
 
     #[test]

@@ -107,7 +107,7 @@ impl<'a> Runner<'a> {
         };
         let currents: Vec<f64> = states.iter().map(current).collect();
         let currents = match self.inputs.drive {
-            Drive::Voltage => encoders::late(&currents, time_s, self.model.sensor.current_delay_s),
+            Drive::Voltage => encoders::late_current(self.model, &currents, time_s),
             Drive::Current => currents,
         };
         let each = angles.motor.into_iter().zip(angles.output).zip(currents);

@@ -20,11 +20,18 @@ pub enum Reported {
 }
 
 impl Reported {
-    /// A series at these times as it is reported.
-    pub fn of(self, values: &[f64], time_s: &[f64], sample_s: f64) -> Vec<f64> {
+    /// How long before its row a value flowed, s.
+    pub fn late_s(self, sample_s: f64) -> f64 {
         match self {
-            Self::AtOnce => values.to_vec(),
-            Self::Late(samples) => crate::encoders::late(values, time_s, samples * sample_s),
+            Self::Late(samples) => samples * sample_s,
+            Self::AtOnce | Self::Filtered(_) => 0.0,
+        }
+    }
+
+    /// What flowed at these times, or [`Self::late_s`] before them, as it is reported.
+    pub fn of(self, values: &[f64], time_s: &[f64]) -> Vec<f64> {
+        match self {
+            Self::AtOnce | Self::Late(_) => values.to_vec(),
             Self::Filtered(constant_s) => {
                 let mut state = values.first().copied().unwrap_or(0.0);
                 let mut before = time_s.first().copied().unwrap_or(0.0);

@@ -35,6 +35,8 @@ pub(super) struct Run {
     pub time_s: Vec<f64>,
     /// Voltage from each of them on, V.
     pub voltage_v: Vec<f64>,
+    /// What the current's sensor took for each, at that instant or as late as its report is, A.
+    pub taken_a: Vec<f64>,
     /// What else acted.
     pub disturbance: Disturbance,
     /// The joint at each.

@@ -24,6 +24,8 @@ use crate::reference::{Disturbance, ReferenceError, Stepper};
 
 /// The joint rests before its log begins, s: from and to.
 const REST_S: [f64; 2] = [0.05, 0.15];
+/// Smallest share of a sample that is stepped on its own.
+const LEAST: f64 = 1e-6;
 
 /// A log, and what in it a fair answer can go by.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +71,7 @@ pub fn record_wide(
 
     let sensor = &model.sensor;
     let flowing: Vec<f64> = run.snapshots.iter().map(|s| s.measured_current_a).collect();
-    let reported = setting.sensing.current.of(&flowing, &run.time_s, sample);
+    let reported = setting.sensing.current.of(&run.taken_a, &run.time_s);
     let noise = sensor.current_noise_a;
     let current = reported[rest..].iter();
     let current: Vec<f64> =
@@ -151,8 +153,12 @@ fn run(
     let mut stepper = Stepper::new(&equations, METHOD);
     let mut state = equations.rest();
     let counts = model.sensor.motor_encoder_counts_per_rev;
+    let late_s = setting.sensing.current.late_s(setting.sample_time_s);
+    let least_s = LEAST * setting.sample_time_s;
+    let mut taken_a = Vec::new();
     let mut run = Run {
         voltage_v: Vec::with_capacity(time_s.len()),
+        taken_a: Vec::new(),
         snapshots: Vec::with_capacity(time_s.len()),
         starts: Vec::new(),
         disturbance,
@@ -181,12 +187,29 @@ fn run(
         if let Some(next) = run.time_s.get(k + 1) {
             pieces(&run.time_s, k, delay, |source, from, until| {
                 let held = run.disturbance.at(k, run.voltage_v[source], 0.0);
-                stepper.advance(&mut state, &held, until - from);
+                let mut reached = from;
+                let taken = |row: &f64| row - late_s < until - least_s;
+                while late_s > 0.0 && run.time_s.get(taken_a.len()).is_some_and(taken) {
+                    // What was before the log is as its first state.
+                    let ahead = run.time_s[taken_a.len()] - late_s - reached;
+                    if ahead > least_s {
+                        stepper.advance(&mut state, &held, ahead);
+                        reached += ahead;
+                    }
+                    taken_a.push(equations.snapshot(&state).measured_current_a);
+                }
+                stepper.advance(&mut state, &held, until - reached);
             });
             if state.iter().any(|value| !value.is_finite()) {
                 return Err(ReferenceError::Diverged(*next));
             }
         }
+    }
+    if late_s > 0.0 {
+        taken_a.resize(run.time_s.len(), equations.snapshot(&state).measured_current_a);
+        run.taken_a = taken_a;
+    } else {
+        run.taken_a = run.snapshots.iter().map(|s| s.measured_current_a).collect();
     }
     Ok(run)
 }

@@ -96,7 +96,7 @@ mod tests {
         let interval = log.time_s[1] - log.time_s[0];
         let constant = 8.0 * interval;
         let flowing = log.current_a.as_ref().unwrap();
-        let current_a = Some(Reported::Filtered(constant).of(flowing, &log.time_s, interval));
+        let current_a = Some(Reported::Filtered(constant).of(flowing, &log.time_s));
         let record = Record::new(&Log { current_a, ..log }, Some(2));
         let mask = vec![1.0; record.len()];
         let problem = Problem::new(&record, &mask);
