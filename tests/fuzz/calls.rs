@@ -1,27 +1,26 @@
 //! Calls of the C library and of the FMU's functions, read from bytes: any order, any number.
 //!
 //! Pointers are sound here; what a wrong one does is the business of `firmware/capi/tests/calls.rs` and
-//! `host-harness/fmu/tests/calls.rs`.
+//! `host-harness/fmu/tests`.
 
 #![allow(unsafe_code, reason = "what is called is C's interface")]
 
+#[path = "importer.rs"]
+mod importer;
 #[path = "one_stage.rs"]
 mod one_stage;
 
-use std::ffi::{CString, c_uint};
-use std::fs;
-use std::path::PathBuf;
-use std::ptr::{null, null_mut};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::ffi::c_uint;
+use std::ptr::null_mut;
 
 use joint::{
     Estimate, JOINT_BLOCK_EFFECTS, JOINT_BLOCK_EMPTY, JOINT_NOT_INITIALISED, JOINT_OK, Joint,
     Sample, joint_estimate, joint_init, joint_update,
 };
-use joint_fmu::functions::*;
-use joint_fmu::{Joint as Described, guid};
+use joint_fmu::{Component, ERROR, Joint as Described, OK, Version};
 
 use super::with_checksum;
+use importer::{Importer, VERSIONS};
 use one_stage::one_stage;
 
 /// What the calls are read from; zeros where the bytes end.
@@ -141,7 +140,7 @@ fn updated(joint: &mut Joint, sample: &Sample, ready: bool) {
 
 /// An instance of the FMU with a copy of its state, both freed at the end.
 struct Fmu {
-    own: *mut Instance,
+    own: Importer,
     state: *mut Component,
     /// What the outputs were when the state was copied, and where its last communication step ended, s.
     copied: (Vec<u64>, f64, bool),
@@ -153,8 +152,9 @@ struct Fmu {
     sound: bool,
 }
 
-/// The joint's file before a line of dashes, where the bytes begin with a brace, and calls in any order:
-/// every call answers, what runs has finite outputs, and a copied state brings them back to the bit.
+/// The joint's file before a line of dashes, where the bytes begin with a brace, and calls in any order, by each
+/// version of the standard: every call answers, what runs has finite outputs, and a copied state brings them
+/// back to the bit.
 pub(crate) fn fmu(bytes: &[u8]) {
     let dashes = bytes.windows(5).position(|it| it == b"\n---\n");
     let (file, calls) = match dashes.filter(|_| bytes.starts_with(b"{")) {
@@ -166,80 +166,61 @@ pub(crate) fn fmu(bytes: &[u8]) {
         Ok(text) => text.to_owned(),
         Err(_) => return,
     };
-    let Some(mut fmu) = Fmu::new(&file) else { return };
-    let period_s = Described::read(&file).map_or(0.0, |joint| joint.period_s);
-    let mut bytes = Bytes(calls);
-    let mut steps = 0;
-    while !bytes.0.is_empty() && steps < MOST_STEPS {
-        steps += fmu.call(&mut bytes, period_s);
+    for version in VERSIONS {
+        let Some(mut fmu) = Fmu::new(version, &file) else { return };
+        let period_s = Described::read(&file).map_or(0.0, |joint| joint.period_s);
+        let mut bytes = Bytes(calls);
+        let mut steps = 0;
+        while !bytes.0.is_empty() && steps < MOST_STEPS {
+            steps += fmu.call(&mut bytes, period_s);
+        }
     }
 }
 
 impl Fmu {
-    fn new(file: &str) -> Option<Self> {
-        static NUMBER: AtomicU32 = AtomicU32::new(0);
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let folder: PathBuf =
-            std::env::temp_dir().join(format!("joint-fuzz-{}-{number}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join("joint.json"), file).unwrap();
-        let place = CString::new(folder.to_str()?).ok()?;
-        let wanted = CString::new(guid(file)).ok()?;
-        let name = c"own".as_ptr();
-        // SAFETY: the strings end in zero and live over the call.
-        let own =
-            unsafe { fmi2Instantiate(name, 1, wanted.as_ptr(), place.as_ptr(), null(), 0, 0) };
-        fs::remove_dir_all(&folder).unwrap();
+    fn new(version: Version, file: &str) -> Option<Self> {
+        let own = Importer::new(version, file);
         let described = Described::read(file);
-        assert_eq!(own.is_null(), described.is_err());
+        assert_eq!(own.is_none(), described.is_err());
         let outputs = described.ok()?.outputs().len();
-        let (state, copied) = (null_mut(), (Vec::new(), 0.0, true));
+        let (own, state, copied) = (own?, null_mut(), (Vec::new(), 0.0, true));
         Some(Self { own, state, copied, outputs, now_s: 0.0, start_s: 0.0, sound: true })
     }
 
     /// One call; how many steps it took at most.
     fn call(&mut self, bytes: &mut Bytes<'_>, period_s: f64) -> u64 {
-        let own = self.own;
-        // SAFETY: the instance is freed by `drop` alone; a state that is freed is null.
-        unsafe {
-            match bytes.byte() % 12 {
-                0 => {
-                    fmi2EnterInitializationMode(own);
-                    if fmi2ExitInitializationMode(own) == OK {
-                        (self.now_s, self.sound) = (self.start_s, true);
-                    }
-                    self.hold();
+        match bytes.byte() % 12 {
+            0 => {
+                if self.own.start() == OK {
+                    (self.now_s, self.sound) = (self.start_s, true);
                 }
-                1 => {
-                    fmi2Reset(own);
-                    self.start_s = 0.0;
-                }
-                2 => {
-                    let start_s = bytes.number();
-                    if fmi2SetupExperiment(own, 0, 0.0, start_s, 0, 0.0) == OK {
-                        self.start_s = start_s;
-                    }
-                }
-                3 | 4 => {
-                    let (reference, value) = (c_uint::from(bytes.byte()), bytes.number());
-                    fmi2SetReal(own, &reference, 1, &value);
-                }
-                5 if fmi2GetFMUstate(own, &mut self.state) == OK => {
-                    self.copied = (self.outputs(), self.now_s, self.sound);
-                }
-                6 if fmi2SetFMUstate(own, self.state) == OK => {
-                    assert_eq!(self.outputs(), self.copied.0);
-                    (self.now_s, self.sound) = (self.copied.1, self.copied.2);
-                }
-                7 => self.through_bytes(bytes, period_s),
-                8 => assert_eq!(fmi2FreeFMUstate(own, &mut self.state), OK),
-                9 => {
-                    let mut value = 0;
-                    let answers = [fmi2Terminate(own), fmi2GetInteger(own, &0, 1, &mut value)];
-                    assert_eq!(answers, [OK, ERROR]);
-                }
-                _ => return self.step(bytes, period_s),
+                self.hold();
             }
+            1 => {
+                assert_eq!(self.own.reset(), OK);
+                self.start_s = 0.0;
+            }
+            2 => {
+                let start_s = bytes.number();
+                if self.own.start_at(start_s) == OK {
+                    self.start_s = start_s;
+                }
+            }
+            3 | 4 => {
+                let (reference, value) = (c_uint::from(bytes.byte()), bytes.number());
+                self.own.set(reference, value);
+            }
+            5 if self.own.copy(&mut self.state) == OK => {
+                self.copied = (self.outputs(), self.now_s, self.sound);
+            }
+            6 if self.own.go_back(self.state) == OK => {
+                assert_eq!(self.outputs(), self.copied.0);
+                (self.now_s, self.sound) = (self.copied.1, self.copied.2);
+            }
+            7 => self.through_bytes(bytes, period_s),
+            8 => self.own.free(&mut self.state),
+            9 => assert_eq!([self.own.terminate(), self.own.integer()], [OK, ERROR]),
+            _ => return self.step(bytes, period_s),
         }
         1
     }
@@ -252,8 +233,7 @@ impl Fmu {
         if (1000.0..1e10).contains(&steps) {
             return 0;
         }
-        // SAFETY: as in `call`.
-        if unsafe { fmi2DoStep(self.own, self.now_s, step_s, 0) } == OK {
+        if self.own.step(self.now_s, step_s) == OK {
             self.now_s += step_s;
             self.hold();
         } else {
@@ -264,45 +244,29 @@ impl Fmu {
 
     /// The state as bytes, some of them exchanged, is refused or is a state that steps.
     fn through_bytes(&mut self, from: &mut Bytes<'_>, period_s: f64) {
-        let mut size = 0;
-        // SAFETY: as in `call`; room for as many bytes as are told.
-        unsafe {
-            if fmi2SerializedFMUstateSize(self.own, self.state, &mut size) != OK {
-                return;
-            }
-            let mut kept = vec![0; size];
-            assert_eq!(fmi2SerializeFMUstate(self.own, self.state, kept.as_mut_ptr(), size), OK);
-            let (at, bytes) = (usize::from(u16::from_le_bytes(from.many())), from.slice());
-            for (place, byte) in kept.iter_mut().skip(at).zip(bytes) {
-                *place = *byte;
-            }
-            let (mut before, mut made) = (null_mut(), null_mut());
-            assert_eq!(fmi2GetFMUstate(self.own, &mut before), OK);
-            let answer = fmi2DeSerializeFMUstate(self.own, kept.as_ptr(), size, &mut made);
-            assert_eq!(answer == OK, !made.is_null());
-            assert!(answer == OK || !bytes.is_empty() || !self.copied.2);
-            if answer == OK {
-                assert_eq!(fmi2SetFMUstate(self.own, made), OK);
-                self.hold();
-                fmi2DoStep(self.own, self.copied.1, 10.0 * period_s, 0);
-                self.hold();
-            }
-            assert_eq!(fmi2SetFMUstate(self.own, before), OK);
-            fmi2FreeFMUstate(self.own, &mut made);
-            fmi2FreeFMUstate(self.own, &mut before);
+        let Some(mut kept) = self.own.bytes(self.state) else { return };
+        let (at, bytes) = (usize::from(u16::from_le_bytes(from.many())), from.slice());
+        for (place, byte) in kept.iter_mut().skip(at).zip(bytes) {
+            *place = *byte;
         }
+        let (mut before, mut made) = (null_mut(), null_mut());
+        assert_eq!(self.own.copy(&mut before), OK);
+        let answer = self.own.made(&kept, &mut made);
+        assert!(answer == OK || !bytes.is_empty() || !self.copied.2);
+        if answer == OK {
+            assert_eq!(self.own.go_back(made), OK);
+            self.hold();
+            self.own.step(self.copied.1, 10.0 * period_s);
+            self.hold();
+        }
+        assert_eq!(self.own.go_back(before), OK);
+        self.own.free(&mut made);
+        self.own.free(&mut before);
     }
 
     /// The outputs' bits.
     fn outputs(&self) -> Vec<u64> {
-        let references: Vec<c_uint> = (2..2 + self.outputs as c_uint).collect();
-        let mut values = vec![f64::NAN; references.len()];
-        // SAFETY: as in `call`; as many values as references.
-        let answer = unsafe {
-            fmi2GetReal(self.own, references.as_ptr(), references.len(), values.as_mut_ptr())
-        };
-        assert_eq!(answer, OK);
-        values.into_iter().map(f64::to_bits).collect()
+        self.own.bits(2..2 + self.outputs as c_uint)
     }
 
     fn hold(&self) {
@@ -314,10 +278,6 @@ impl Fmu {
 
 impl Drop for Fmu {
     fn drop(&mut self) {
-        // SAFETY: freed once.
-        unsafe {
-            fmi2FreeFMUstate(self.own, &mut self.state);
-            fmi2FreeInstance(self.own);
-        }
+        self.own.free(&mut self.state);
     }
 }

@@ -85,7 +85,7 @@ impl Component {
         if !start_s.is_finite() {
             return Err(JointError("the start time is no finite number".to_owned()));
         }
-        if self.running.is_some() {
+        if self.runs() {
             return Err(JointError("the start time is fixed once initialised".to_owned()));
         }
         self.start_s = start_s;
@@ -114,6 +114,26 @@ impl Component {
         }
         let start = Start { motor_angle_rad, motor_speed_rad_per_s };
         running::started(&self.joint.with(&self.parameters)?, start)
+    }
+
+    /// Whether it was initialised.
+    pub(crate) fn runs(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Where the last communication step ended, s, or the first will begin.
+    pub(crate) fn time_s(&self) -> f64 {
+        if self.runs() { self.now_s } else { self.start_s }
+    }
+
+    /// Value reference of the time in FMI 3.0, behind those of all variables.
+    pub(crate) fn time_reference(&self) -> usize {
+        INPUTS + self.outputs.len() + self.parameters.len()
+    }
+
+    /// Whether a communication step ends later than that, s, by more than rounding.
+    pub(crate) fn exceeds(&self, until_s: f64, stop_s: f64) -> bool {
+        until_s > stop_s + rounding_s(self.joint.period_s, stop_s)
     }
 
     pub(crate) fn get(&self, reference: usize) -> Option<f64> {

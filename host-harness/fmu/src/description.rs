@@ -2,7 +2,26 @@
 
 use std::fmt::Write;
 
+use crate::fmi3;
 use crate::joint::{Causality, Joint, Variable};
+
+/// A version of the standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.4.
+    Fmi2,
+    /// FMI 3.0.2.
+    Fmi3,
+}
+
+impl std::fmt::Display for Version {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Fmi2 => "FMI 2.0",
+            Self::Fmi3 => "FMI 3.0",
+        })
+    }
+}
 
 /// Endings of names and what they mean, the longest first.
 const UNITS: [(&str, &str, &str); 15] = [
@@ -27,52 +46,99 @@ fn unit(name: &str) -> Option<&'static str> {
     UNITS.iter().find(|(end, ..)| name.ends_with(end)).map(|(_, unit, _)| *unit)
 }
 
-/// The XML text of FMI 2.0.4; `identifier` is the shared library's name, and the same contents give
-/// the same `guid`.
-pub fn model_description(joint: &Joint, identifier: &str, guid: &str) -> String {
+/// The XML text; `identifier` is the shared library's name, and the same contents give the same `guid`, which
+/// FMI 3.0 calls the instantiation token.
+pub fn model_description(joint: &Joint, version: Version, identifier: &str, guid: &str) -> String {
     let variables = joint.variables();
+    let (number, token) = match version {
+        Version::Fmi2 => ("2.0", "guid"),
+        Version::Fmi3 => ("3.0", "instantiationToken"),
+    };
     let mut text = String::new();
     // Writing into a string does not fail.
     let _ = write!(
         text,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
-         <fmiModelDescription fmiVersion=\"2.0\" modelName=\"{}\" guid=\"{guid}\" \
+         <fmiModelDescription fmiVersion=\"{number}\" modelName=\"{}\" {token}=\"{guid}\" \
          description=\"A motor joint: motor, elastic gear stages, LuGre friction, effects\" \
          generationTool=\"joint export {}\" variableNamingConvention=\"structured\">\n  \
          <CoSimulation modelIdentifier=\"{identifier}\" \
-         canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" \
-         canSerializeFMUstate=\"true\"/>\n  \
+         canHandleVariableCommunicationStepSize=\"true\" {}/>\n  \
          <UnitDefinitions>\n",
         escaped(&joint.name),
         env!("CARGO_PKG_VERSION"),
+        capabilities(version, joint.period_s),
     );
     for (_, unit, base) in UNITS {
         let _ = writeln!(text, "    <Unit name=\"{unit}\"><BaseUnit {base}/></Unit>");
     }
+    text.push_str("  </UnitDefinitions>\n");
+    if version == Version::Fmi3 {
+        let _ = writeln!(
+            text,
+            "  <LogCategories><Category name=\"{}\" description=\"Why a call was refused\"/>\
+             </LogCategories>",
+            fmi3::CATEGORY.to_string_lossy()
+        );
+    }
     let _ = write!(
         text,
-        "  </UnitDefinitions>\n  <DefaultExperiment startTime=\"0\" stopTime=\"1\" \
-         stepSize=\"{:?}\"/>\n  <ModelVariables>\n",
+        "  <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"{:?}\"/>\n  \
+         <ModelVariables>\n",
         joint.period_s
     );
     for (reference, variable) in variables.iter().enumerate() {
-        scalar_variable(&mut text, reference, variable);
+        scalar_variable(&mut text, version, reference, variable);
+    }
+    if version == Version::Fmi3 {
+        let _ = writeln!(
+            text,
+            "    <Float64 name=\"time\" valueReference=\"{}\" description=\"Time at the end of the \
+             last communication step\" causality=\"independent\" variability=\"continuous\" unit=\"s\"/>",
+            variables.len()
+        );
     }
     text.push_str("  </ModelVariables>\n  <ModelStructure>\n");
-    for list in ["Outputs", "InitialUnknowns"] {
-        let _ = writeln!(text, "    <{list}>");
-        for (k, variable) in variables.iter().enumerate() {
-            if variable.causality == Causality::Output {
-                let _ = writeln!(text, "      <Unknown index=\"{}\"/>", k + 1);
-            }
-        }
-        let _ = writeln!(text, "    </{list}>");
-    }
+    structure(&mut text, version, &variables);
     text.push_str("  </ModelStructure>\n</fmiModelDescription>\n");
     text
 }
 
-fn scalar_variable(text: &mut String, reference: usize, variable: &Variable) {
+fn capabilities(version: Version, period_s: f64) -> String {
+    match version {
+        Version::Fmi2 => "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"".to_owned(),
+        Version::Fmi3 => format!(
+            "canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\" \
+             fixedInternalStepSize=\"{period_s:?}\" hasEventMode=\"false\""
+        ),
+    }
+}
+
+/// Outputs are what the state gives: no input shows in them before the next step.
+fn structure(text: &mut String, version: Version, variables: &[Variable]) {
+    let outputs = |text: &mut String, line: &dyn Fn(usize) -> String| {
+        for (k, variable) in variables.iter().enumerate() {
+            if variable.causality == Causality::Output {
+                text.push_str(&line(k));
+            }
+        }
+    };
+    match version {
+        Version::Fmi2 => {
+            for list in ["Outputs", "InitialUnknowns"] {
+                let _ = writeln!(text, "    <{list}>");
+                outputs(text, &|k| format!("      <Unknown index=\"{}\"/>\n", k + 1));
+                let _ = writeln!(text, "    </{list}>");
+            }
+        }
+        Version::Fmi3 => {
+            outputs(text, &|k| format!("    <Output valueReference=\"{k}\" dependencies=\"\"/>\n"));
+            outputs(text, &|k| format!("    <InitialUnknown valueReference=\"{k}\"/>\n"));
+        }
+    }
+}
+
+fn scalar_variable(text: &mut String, version: Version, reference: usize, variable: &Variable) {
     let kind = match variable.causality {
         Causality::Input => "causality=\"input\" variability=\"continuous\"",
         Causality::Output => {
@@ -86,13 +152,18 @@ fn scalar_variable(text: &mut String, reference: usize, variable: &Variable) {
         let limit = variable.limits[usize::from(which == "max")];
         limit.map_or(String::new(), |limit| format!(" {which}=\"{limit:?}\""))
     });
-    let _ = writeln!(
-        text,
-        "    <ScalarVariable name=\"{}\" valueReference=\"{reference}\" description=\"{}\" {kind}>\
-         <Real{unit}{min}{max}{start}/></ScalarVariable>",
+    let own = format!(
+        "name=\"{}\" valueReference=\"{reference}\" description=\"{}\" {kind}",
         escaped(&variable.name),
         escaped(&variable.description),
     );
+    let value = format!("{unit}{min}{max}{start}");
+    let _ = match version {
+        Version::Fmi2 => {
+            writeln!(text, "    <ScalarVariable {own}><Real{value}/></ScalarVariable>")
+        }
+        Version::Fmi3 => writeln!(text, "    <Float64 {own}{value}/>"),
+    };
 }
 
 fn escaped(text: &str) -> String {

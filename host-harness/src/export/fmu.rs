@@ -5,7 +5,7 @@ use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use joint_core::joint::Drive;
-use joint_fmu::{EffectDescription, Input, Joint, guid, model_description};
+use joint_fmu::{EffectDescription, Input, Joint, Version, guid, model_description};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -14,11 +14,15 @@ use crate::grid::Grid;
 use crate::model::Model;
 use crate::plant;
 
-/// The FMU's bytes: a zip archive of FMI 2.0 for co-simulation, for the computer that this runs on.
+/// The FMU's bytes: a zip archive for co-simulation by this version of FMI, for the computer that this runs on.
 ///
 /// # Errors
 /// The joint cannot be stepped, or the shared library is not where it was built.
-pub fn fmu(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError> {
+pub fn fmu(
+    model: &Model,
+    options: &DriveOptions,
+    version: Version,
+) -> Result<Vec<u8>, ExportError> {
     // What the FMU would refuse is refused here.
     plant::plant(model, &Grid::new(&[0.0, options.period_s], None), options.drive)
         .map_err(|error| ExportError::Parameter(error.to_string()))?;
@@ -38,8 +42,11 @@ pub fn fmu(model: &Model, options: &DriveOptions) -> Result<Vec<u8>, ExportError
     let contents = std::fs::read(&library)
         .map_err(|error| ExportError::Library(format!("{}: {error}", library.display())))?;
     let (text, name) = (joint.text(), identifier(model));
-    let description = model_description(&joint, &name, &guid(&text));
-    let binary = format!("binaries/{}/{name}{DLL_SUFFIX}", platform()?);
+    let description = model_description(&joint, version, &name, &guid(&text));
+    let platform = platform(version, OS, ARCH).ok_or_else(|| {
+        ExportError::Library(format!("{version} has no folder for {ARCH} and {OS}"))
+    })?;
+    let binary = format!("binaries/{platform}/{name}{DLL_SUFFIX}");
     archive(&[
         ("modelDescription.xml", description.as_bytes()),
         ("resources/joint.json", text.as_bytes()),
@@ -58,14 +65,20 @@ fn archive(files: &[(&str, &[u8])]) -> zip::result::ZipResult<Vec<u8>> {
     Ok(zip.finish()?.into_inner())
 }
 
-/// The folder that FMI 2.0 gives this computer's libraries.
-fn platform() -> Result<&'static str, ExportError> {
-    match (OS, ARCH) {
-        ("linux", "x86_64") => Ok("linux64"),
-        ("windows", "x86_64") => Ok("win64"),
-        ("macos", "x86_64") => Ok("darwin64"),
-        _ => Err(ExportError::Library(format!("FMI 2.0 has no folder for {ARCH} and {OS}"))),
-    }
+/// The folder that the standard gives a computer's libraries.
+fn platform(version: Version, os: &str, arch: &str) -> Option<&'static str> {
+    Some(match (version, os, arch) {
+        (Version::Fmi2, "linux", "x86_64") => "linux64",
+        (Version::Fmi2, "windows", "x86_64") => "win64",
+        (Version::Fmi2, "macos", "x86_64") => "darwin64",
+        (Version::Fmi3, "linux", "x86_64") => "x86_64-linux",
+        (Version::Fmi3, "linux", "aarch64") => "aarch64-linux",
+        (Version::Fmi3, "windows", "x86_64") => "x86_64-windows",
+        (Version::Fmi3, "windows", "aarch64") => "aarch64-windows",
+        (Version::Fmi3, "macos", "x86_64") => "x86_64-darwin",
+        (Version::Fmi3, "macos", "aarch64") => "aarch64-darwin",
+        _ => return None,
+    })
 }
 
 /// The shared library, which is built with this program: beside it, among what it depends on, or,
@@ -99,6 +112,15 @@ fn newest(folder: &Path, name: &str) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_computer_that_fmi_2_has_no_folder_for_has_one_in_fmi_3() {
+        let of = |os, arch| [Version::Fmi2, Version::Fmi3].map(|own| platform(own, os, arch));
+        assert_eq!(of("linux", "x86_64"), [Some("linux64"), Some("x86_64-linux")]);
+        assert_eq!(of("windows", "x86_64"), [Some("win64"), Some("x86_64-windows")]);
+        assert_eq!(of("macos", "aarch64"), [None, Some("aarch64-darwin")]);
+        assert_eq!(of("linux", "riscv64"), [None, None]);
+    }
 
     #[test]
     fn the_library_is_found_beside_a_program_and_among_dependencies_and_else_not() {

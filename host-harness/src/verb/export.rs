@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use firmware::block::Block;
 use joint_core::joint::Drive;
+use joint_fmu::Version;
 use serde_json::json;
 
 use super::{Common, Failure, Outcome, read_model};
@@ -13,14 +14,15 @@ use crate::model::Model;
 
 /// Turn a model into parameters for the firmware, or into another tool's model
 ///
-/// `block` is what the drive's flash page holds, `rust` the same as a source file; `fmu` is a unit
-/// of FMI 2.0 for co-simulation that steps this very joint, `mjcf` a MuJoCo model and `urdf` a rigid joint, which
-/// say what they had to leave out.
+/// `block` is what the drive's flash page holds, `rust` the same as a source file; `fmu` and `fmu3` are units
+/// of FMI 2.0 and 3.0 for co-simulation that step this very joint, `mjcf` a MuJoCo model and `urdf` a rigid joint,
+/// which say what they had to leave out.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Example:
   joint export --model found/model.toml --format block --out joint.block
   joint export --model found/model.toml --format rust --out src/joint.rs --period-us 100
   joint export --model found/model.toml --format fmu --out joint.fmu
+  joint export --model found/model.toml --format fmu3 --out joint.fmu
   joint export --model found/model.toml --format mjcf --out joint.xml --bus-v 24")]
 pub struct Args {
     /// Model file
@@ -55,6 +57,8 @@ pub enum Format {
     Rust,
     /// Functional mock-up unit, FMI 2.0 for co-simulation
     Fmu,
+    /// Functional mock-up unit, FMI 3.0 for co-simulation
+    Fmu3,
     /// MuJoCo model
     Mjcf,
     /// URDF: one rigid joint with friction, damping, limits and transmission
@@ -121,6 +125,14 @@ impl More {
     }
 }
 
+fn unit(
+    model: &Model,
+    options: &DriveOptions,
+    version: Version,
+) -> Result<(Vec<u8>, More), export::ExportError> {
+    Ok((export::fmu::fmu(model, options, version)?, More::default()))
+}
+
 fn contents(args: &Args, model: &Model) -> Result<(Vec<u8>, More), export::ExportError> {
     let options = args.options();
     match args.format {
@@ -133,7 +145,8 @@ fn contents(args: &Args, model: &Model) -> Result<(Vec<u8>, More), export::Expor
         Format::Rust => {
             export::rust::source(model, &options).map(|text| (text.into_bytes(), More::default()))
         }
-        Format::Fmu => export::fmu::fmu(model, &options).map(|bytes| (bytes, More::default())),
+        Format::Fmu => unit(model, &options, Version::Fmi2),
+        Format::Fmu3 => unit(model, &options, Version::Fmi3),
         Format::Mjcf => {
             let export::mjcf::Mjcf { text: contents, lost } = export::mjcf::mjcf(model, &options);
             Ok((contents.into_bytes(), More::without(lost)))
