@@ -1,7 +1,7 @@
 //! The assembled joint from outside.
 
 use joint_core::effect::{EffectParameters, EffectSet, Kind};
-use joint_core::joint::{Drive, Joint, Settings};
+use joint_core::joint::{Drive, Joint, Method, Settings};
 use joint_core::params::{Friction, Load, Location, Motor, Reason, Stage};
 
 fn motor() -> Motor {
@@ -60,8 +60,9 @@ fn dead_time_leaves_an_imposed_current_alone() {
         .with("voltage_v", 0.5)
         .with("softening_a", 0.01)];
     let motor = Motor { friction: friction(), ..motor() };
-    let run = |effects: &[EffectParameters]| {
-        let settings = Settings { effects, ..Settings::new(Drive::Current, 1e-4) };
+    let run = |method, effects: &[EffectParameters]| {
+        let method = Some(method);
+        let settings = Settings { method, effects, ..Settings::new(Drive::Current, 1e-4) };
         let joint =
             Joint::<f64, 0, EffectSet<f64>>::new(&motor, &[], &Load::default(), &settings).unwrap();
         let mut state = joint.rest();
@@ -70,8 +71,10 @@ fn dead_time_leaves_an_imposed_current_alone() {
         }
         (joint.current(&state), joint.speed(&state, 0))
     };
-    assert_eq!(run(&dead), run(&[]));
-    assert!((run(&[]).0 - 0.5).abs() < 1e-12);
+    for method in [Method::Splitting, Method::Implicit] {
+        assert_eq!(run(method, &dead), run(method, &[]));
+        assert!((run(method, &[]).0 - 0.5).abs() < 1e-12);
+    }
 }
 
 #[test]
