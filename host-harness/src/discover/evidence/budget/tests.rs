@@ -33,6 +33,7 @@ fn what_is_unnamed_is_told_against_what_drives_the_joint() {
     assert!((budget.rms_after - 1.0).abs() < 1e-12);
     assert!((budget.unnamed_of_drive.unwrap() - 0.05).abs() < 1e-12, "{budget:?}");
     assert!((budget.unnamed - 0.0625).abs() < 1e-12);
+    assert!((budget.unnamed_error - 0.0025).abs() < 1e-12);
     // No white noise was given, so all of the one unit is left, a tenth of the drive.
     assert!((budget.rms_left - 1.0).abs() < 1e-12);
     assert!((budget.left_of_drive.unwrap() - 0.1).abs() < 1e-12);
@@ -61,6 +62,17 @@ fn motor_torque_drives_a_torque_with_or_without_a_measured_current_and_voltage_a
         let volts = of(record, Equation::Voltage);
         assert!((volts / rms(&record.drive_values) - 1.0).abs() < 1e-9, "{volts}");
     }
+}
+
+#[test]
+fn white_noise_has_its_share_of_what_the_nominal_misses_and_all_of_nothing() {
+    let gone = Disturbances { before: vec![400.0; 10], after: vec![100.0; 10] };
+    let budget = split(&gone, 400.0, None, 1000.0, 10.0);
+    let Budget { named, white, coloured, rms_before, .. } = budget;
+    assert!([named - 0.75, white - 0.1, coloured - 0.15].iter().all(|off| off.abs() < 1e-12));
+    assert_eq!(rms_before, 2.0);
+    let gone = Disturbances { before: vec![0.0; 10], after: vec![0.0; 10] };
+    assert_eq!(split(&gone, 0.0, None, 1000.0, 10.0).white, 1.0);
 }
 
 #[test]
