@@ -125,3 +125,34 @@ fn a_free_vibration_is_of_fourth_order() {
     let [coarse, fine] = [20, 40].map(phase_missed);
     assert!(coarse < 1e-2 && coarse > 14.0 * fine, "{coarse} {fine}");
 }
+
+/// What is missed of the speeds of two masses that swing on their bristles, over them, after 5 ms in so many steps.
+fn swing_missed(steps: u32) -> [f64; 2] {
+    let swing = |steps: u32| {
+        let friction = Friction { sigma1_nm_s_per_rad: 0.0, coulomb_nm: 1e3, ..friction() };
+        let motor = Motor { friction, ..motor() };
+        let stage = Stage { friction, ..damped(0.0) };
+        let step_s = 5e-3 / f64::from(steps);
+        let settings = Settings { micro_steps: Some(1), ..Settings::new(Drive::Current, step_s) };
+        let joint = Joint::<f64, 1, ()>::new(&motor, &[stage], &Load::default(), &settings);
+        let (joint, [one, other]) = (joint.unwrap(), [5e-5, -8e-5]);
+        let mut state = joint.rest();
+        joint.set_bristle(&mut state, 0, one);
+        joint.set_bristle(&mut state, 1, other);
+        joint.refresh(&mut state);
+        for _ in 0..steps {
+            joint.step(&mut state, joint.input(0.0, 0.0));
+        }
+        [0, 1].map(|mass| joint.speed(&state, mass))
+    };
+    let (found, exact) = (swing(steps), swing(64 * steps));
+    [0, 1].map(|mass: usize| (found[mass] / exact[mass] - 1.0).abs())
+}
+
+#[test]
+fn a_swing_on_bristles_is_of_fourth_order_too() {
+    let [coarse, fine] = [6, 12].map(swing_missed);
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!(coarse < 1e-2 && coarse > 12.0 * fine, "{coarse} {fine}");
+    }
+}

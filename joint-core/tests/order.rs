@@ -111,8 +111,8 @@ fn assert_missed(cases: &[Case]) {
 }
 
 fn case(effects: &[EffectParameters], drive: Drive, rubs: bool, most: [[f64; 2]; 2]) -> Case {
-    // Half as much again as is missed.
-    Case { effects: effects.to_vec(), drive, rubs, most: most.map(|own| own.map(|it| 1.5 * it)) }
+    // A quarter more than is missed.
+    Case { effects: effects.to_vec(), drive, rubs, most: most.map(|own| own.map(|it| 1.25 * it)) }
 }
 
 #[test]

@@ -54,6 +54,8 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::TAU;
+
     use super::Torques;
     use crate::effect::{EffectParameters, EffectSet, Kind};
     use crate::joint::{Drive, Joint, Settings};
@@ -235,5 +237,23 @@ mod tests {
         assert!((found.stages[0] / torques.stages[0] - 1.0).abs() < 1e-9);
         let [one, two] = [torques, found].map(|torques| torques.stage_friction[0]);
         assert!((one / two - 1.0).abs() < 1e-9, "{one} {two}");
+    }
+
+    #[test]
+    fn friction_that_follows_an_angle_follows_that_of_its_own_shaft() {
+        let location = Location::Stage(2);
+        let course = EffectParameters::example(Kind::PositionDependentFriction);
+        let (joint, state) = moving(&[EffectParameters { location, ..course }]);
+        let told = |turned: f64, wound: f64| {
+            let mut state = state;
+            state.angle = state.angle.ahead(turned / TAU);
+            let wound = wound + joint.deflection_rad(&state, 0);
+            joint.set_deflection(&mut state, 0, wound);
+            joint.refresh(&mut state);
+            joint.torques(&state).stage_friction[1]
+        };
+        // The output is turned by neither, by a ninth of 3 rad, and by both, which take each other away.
+        let [plain, turned, both] = [told(0.0, 0.0), told(3.0, 0.0), told(3.0, 3.0)];
+        assert!((both / plain - 1.0).abs() < 1e-9 && (turned / plain - 1.0).abs() > 1e-3);
     }
 }
