@@ -2,7 +2,7 @@
 
 use joint_core::effect::{EffectParameters, EffectSet, Kind};
 use joint_core::fixed::Fixed;
-use joint_core::joint::{Drive, Joint, Settings, State};
+use joint_core::joint::{Drive, Joint, Method, Settings, State};
 use joint_core::params::{Load, Location, Motor};
 use joint_core::scalar::Scalar;
 
@@ -24,10 +24,14 @@ type Limited<S> = Joint<S, 0, EffectSet<S>>;
 
 /// A step of 50 µs, undivided; 0.5 ms is the winding's time constant.
 fn limited<S: Scalar>(inertia: f64, drive: Drive) -> Limited<S> {
+    limited_by(None, inertia, drive)
+}
+
+fn limited_by<S: Scalar>(method: Option<Method>, inertia: f64, drive: Drive) -> Limited<S> {
     let effects =
         [EffectParameters::new(Kind::CurrentLimit, Location::Inverter).with("limit_a", LIMIT)];
     let settings =
-        Settings { micro_steps: Some(1), effects: &effects, ..Settings::new(drive, 50e-6) };
+        Settings { micro_steps: Some(1), method, effects: &effects, ..Settings::new(drive, 50e-6) };
     Limited::<S>::new(&motor(inertia), &[], &Load::default(), &settings).unwrap()
 }
 
@@ -75,12 +79,14 @@ fn far_beyond_the_limit_the_motor_is_a_source_of_current() {
 
 #[test]
 fn an_imposed_current_is_limited_as_it_is_asked_for() {
-    let joint = limited::<f64>(1e-4, Drive::Current);
-    for asked in [0.01, 1.0, -2.5, 40.0] {
-        let wanted = LIMIT * (asked / LIMIT).tanh();
-        let found = joint.current(&after(&joint, asked, 3));
-        assert!((found - wanted).abs() < 1e-7, "{asked}: {found}, {wanted}");
-        assert!((joint.imposed_current(asked) - wanted).abs() < 1e-7);
+    for method in [Method::Splitting, Method::Implicit] {
+        let joint = limited_by::<f64>(Some(method), 1e-4, Drive::Current);
+        for asked in [0.01, 1.0, -2.5, 40.0] {
+            let wanted = LIMIT * (asked / LIMIT).tanh();
+            let found = joint.current(&after(&joint, asked, 3));
+            assert!((found - wanted).abs() < 1e-7, "{asked}: {found}, {wanted}");
+            assert!((joint.imposed_current(asked) - wanted).abs() < 1e-7);
+        }
     }
 }
 

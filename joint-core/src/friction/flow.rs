@@ -143,7 +143,8 @@ mod tests {
             assert!((mass.force + held).abs() < 1e-9, "value at {speed}");
             mass.damping = SIGMA1 * bending;
             let felt = 0.5 * 0.7 + SIGMA1 * rate(speed, 0.7);
-            assert!((friction(0.2).felt(&mass) - felt).abs() < 1e-9, "torque at {speed}");
+            let plain = Changed { inverse_level: 1.0, creep: None };
+            assert!((friction(0.2).felt(&mass, plain) - felt).abs() < 1e-9, "torque at {speed}");
         }
     }
 

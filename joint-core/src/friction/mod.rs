@@ -162,18 +162,14 @@ impl<S: LuGre> Friction<S> {
     }
 
     /// Friction torque σ0 z + σ1 ż + σ2 v as the mass was last found; not for the step.
-    pub(crate) fn felt(&self, mass: &Mass<S>) -> S {
+    pub(crate) fn felt(&self, mass: &Mass<S>, changed: Changed<S>) -> S {
         let Bristle { zeta, slipping, .. } = mass.bristle;
-        let rate = mass.speed - mass.speed.abs() * self.curve(mass.speed).rho * zeta;
+        let Changed { inverse_level, creep } = changed;
+        let slip = creep.map_or(mass.speed.abs(), |creep| creep.rate(mass.speed).0);
+        let rate = mass.speed - slip * self.curve(mass.speed).rho * zeta * inverse_level;
         zeta * self.level
             + self.sigma1 * rate
             + (mass.damping - self.sigma1 * (S::ONE - slipping)) * mass.speed
-    }
-
-    /// What is missing of that torque where friction gives way below breakaway: the bristle is slower.
-    pub(crate) fn crept(&self, mass: &Mass<S>, creep: &Creep<S>) -> S {
-        let faster = creep.rate(mass.speed).0 - mass.speed.abs();
-        -(self.sigma1 * (faster * self.curve(mass.speed).rho * mass.bristle.zeta))
     }
 
     /// How much of the Coulomb level is bending instead of slipping, as where a speed turns round; not

@@ -63,14 +63,19 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         halves
     }
 
-    /// Friction torque on mass `number` as it was last found; not for the step.
-    #[inline(always)]
-    pub(crate) fn felt_by(&self, number: usize, friction: &Friction<S>, mass: &Mass<S>) -> S {
-        let felt = friction.felt(mass);
-        match self.effects.has_level(number) {
-            true => felt + crept((&self.effects, number), friction, mass),
-            false => felt,
+    /// Friction torque on the rotor and on the mass behind each stage as they were last found; not for the step.
+    pub(crate) fn friction(&self, state: &State<S, N>) -> (S, [S; N]) {
+        let (rotor, mut felt) = match self.effects.has_levels() {
+            true => self.levels(state, state.angle),
+            false => (S::ONE, [S::ONE; N]),
+        };
+        let changed = |number, inverse_level| changed((&self.effects, number), inverse_level);
+        let rotor = self.rotor.felt(&state.rotor, changed(0, rotor));
+        let stages = state.stages.iter().zip(&self.stages).zip(1..);
+        for (felt, ((stage, own), number)) in felt.iter_mut().zip(stages) {
+            *felt = own.friction.felt(&stage.mass, changed(number, *felt));
         }
+        (rotor, felt)
     }
 
     /// One over the effects' factor on every friction level.
@@ -129,16 +134,6 @@ pub(super) fn changed<S: Scalar, E: Effects<S>>(
 ) -> Changed<S> {
     let creep = if effects.has_level(number) { effects.creep(number) } else { None };
     Changed { inverse_level, creep }
-}
-
-/// What is missing of a mass's friction torque where it gives way below breakaway.
-#[inline(never)]
-fn crept<S: Scalar, E: Effects<S>>(
-    (effects, number): (&E, usize),
-    friction: &Friction<S>,
-    mass: &Mass<S>,
-) -> S {
-    effects.creep(number).map_or(S::ZERO, |creep| friction.crept(mass, &creep))
 }
 
 /// [`Friction::settle`] of a mass by its number.

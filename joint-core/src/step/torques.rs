@@ -27,16 +27,16 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
         if self.effects.has_constants() {
             factor = factor + self.effects.constants(state.angle, state.current).torque;
         }
+        let (rotor, masses) = self.friction(state);
         let mut torques = Torques {
             motor: unit(state.current * factor),
-            motor_friction: unit(self.felt_by(0, &self.rotor, &state.rotor)),
+            motor_friction: unit(rotor),
             stages: [S::ZERO; N],
-            stage_friction: [S::ZERO; N],
+            stage_friction: masses.map(unit),
         };
         let (mut wound, mut input, mut before) = (S::ZERO, state.angle, state.rotor.speed);
-        let out = torques.stages.iter_mut().zip(&mut torques.stage_friction);
         let own = state.stages.iter().zip(&self.stages).enumerate();
-        for ((number, (stage, own)), (torque, friction)) in own.zip(out) {
+        for ((number, (stage, own)), torque) in own.zip(&mut torques.stages) {
             let felt = self.felt(number, stage.deflection, input);
             let mut sum = own.spring.torque(felt.deflection);
             if self.effects.has_stage(number) {
@@ -44,7 +44,6 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             }
             let damped = own.spring.damping_torque(before - stage.mass.speed);
             *torque = unit(sum + damped * felt.contact);
-            *friction = unit(self.felt_by(number + 1, &own.friction, &stage.mass));
             wound = wound + stage.deflection;
             input = own.own_angle(state.angle.ahead(-wound.times(self.turns)));
             before = stage.mass.speed;
@@ -55,8 +54,13 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::TAU;
+
+    use super::Torques;
+    use crate::effect::{EffectParameters, EffectSet, Kind};
     use crate::joint::{Drive, Joint, Settings};
-    use crate::params::{Friction, Load, Motor, Stage};
+    use crate::params::{Friction, Load, Location, Motor, Stage};
+    use crate::state::State;
 
     /// What is left over on rotor and output of a joint that has slid for ten seconds, of the motor's torque.
     fn left_over(step_s: f64) -> [f64; 3] {
@@ -114,5 +118,142 @@ mod tests {
             // Rounding of a state that has settled: 1e-9.
             assert!(fine < 1e-9 || (3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
         }
+    }
+
+    const RUBS: Friction = Friction {
+        sigma0_nm_per_rad: 14.0,
+        sigma1_nm_s_per_rad: 0.012,
+        sigma2_nm_s_per_rad: 9e-5,
+        coulomb_nm: 0.014,
+        stribeck_nm: 0.004,
+        stribeck_velocity_rad_per_s: 3.0,
+    };
+
+    /// Two gears in motion, a step of a microsecond later, with these effects.
+    fn moving(effects: &[EffectParameters]) -> (Joint<f64, 2, EffectSet<f64>>, State<f64, 2>) {
+        let motor = Motor {
+            phase_resistance_ohm: 0.4,
+            phase_inductance_h: 2e-4,
+            torque_constant_nm_per_a: 0.085,
+            rotor_inertia_kg_m2: 4e-5,
+            friction: RUBS,
+            ..Motor::default()
+        };
+        let stages = [4e-4, 4e-3].map(|inertia_kg_m2| Stage {
+            reduction: 3.0,
+            inertia_kg_m2,
+            stiffness_nm_per_rad: 60.0,
+            damping_nm_s_per_rad: 0.01,
+            friction: RUBS,
+            ..Stage::default()
+        });
+        let settings =
+            Settings { micro_steps: Some(1), effects, ..Settings::new(Drive::Voltage, 1e-6) };
+        let joint =
+            Joint::<f64, 2, EffectSet<f64>>::new(&motor, &stages, &Load::default(), &settings)
+                .unwrap();
+        let mut state = joint.rest();
+        joint.set_current(&mut state, 6.0);
+        for (mass, speed) in [60.0, 40.0, 20.0].into_iter().enumerate() {
+            joint.set_speed(&mut state, mass, speed);
+        }
+        joint.set_deflection(&mut state, 0, 0.15);
+        joint.set_deflection(&mut state, 1, 0.3);
+        joint.refresh(&mut state);
+        for _ in 0..1000 {
+            joint.step(&mut state, joint.input(9.0, 0.1));
+        }
+        (joint, state)
+    }
+
+    /// Each mass takes up what its torques leave: they are those of the step, whatever effect changes them.
+    #[test]
+    fn what_the_torques_on_a_mass_leave_accelerates_it_with_every_effect() {
+        let at = |kind, location| EffectParameters { location, ..EffectParameters::example(kind) };
+        // Inertias at the motor.
+        let inertias = [4e-5, 4e-4 / 9.0, 4e-3 / 81.0];
+        for (effect, masses) in [
+            (at(Kind::TorqueRipple, Location::Motor), 0..3),
+            (at(Kind::TorqueSaturation, Location::Motor), 0..3),
+            (at(Kind::StructuralHysteresis, Location::Stage(2)), 0..3),
+            (at(Kind::FrictionShape, Location::Motor), 0..3),
+            (at(Kind::FrictionShape, Location::Stage(1)), 0..3),
+            (at(Kind::FrictionShape, Location::Stage(2)), 0..3),
+            (at(Kind::LoadDependentFriction, Location::Stage(1)), 0..3),
+            (at(Kind::AsymmetricFriction, Location::Motor), 0..3),
+            (at(Kind::PositionDependentFriction, Location::Stage(2)), 0..3),
+            (at(Kind::DriveEfficiency, Location::Stage(2)), 0..3),
+            // An error of the gear pulls at the mass before it by another lever.
+            (at(Kind::TransmissionError, Location::Stage(2)).with("amplitude_rad", 0.02), 2..3),
+        ] {
+            let (joint, mut state) = moving(&[effect]);
+            let (plain, other) = moving(&[]);
+            assert_ne!(joint.torques(&state), plain.torques(&other), "{:?}", effect.kind);
+            let look = |state: &State<f64, 2>| {
+                let speeds = [0, 1, 2].map(|mass| joint.speed_rad_per_s(state, mass));
+                let Torques { motor, motor_friction, stages, stage_friction } =
+                    joint.torques(state);
+                let left = [
+                    motor - motor_friction - stages[0],
+                    stages[0] - stage_friction[0] - stages[1],
+                    stages[1] - stage_friction[1] - 0.1 / 9.0,
+                ];
+                (speeds, left)
+            };
+            let (before, first) = look(&state);
+            joint.step(&mut state, joint.input(9.0, 0.1));
+            let (after, last) = look(&state);
+            for mass in masses {
+                let taken = inertias[mass] * (after[mass] - before[mass]) / 1e-6;
+                let left = 0.5 * (first[mass] + last[mass]);
+                // A microsecond of a bristle's 0.2 ms, squared, of torques of an Nm.
+                let kind = effect.kind;
+                assert!((taken - left).abs() < 1e-5, "{kind:?}, {mass}: {taken} {left}");
+            }
+        }
+    }
+
+    #[test]
+    fn friction_that_follows_the_load_follows_that_of_a_gears_hysteresis_too() {
+        let location = Location::Stage(1);
+        let rubs =
+            EffectParameters { location, ..EffectParameters::example(Kind::LoadDependentFriction) };
+        let bends =
+            EffectParameters { location, ..EffectParameters::example(Kind::StructuralHysteresis) };
+        let (joint, mut state) = moving(&[rubs, bends]);
+        joint.refresh(&mut state);
+        let torques = joint.torques(&state);
+        let (other, mut like) = moving(&[rubs]);
+        // The same torque by the spring alone, of 60 Nm/rad behind a gear of 3.
+        let spring = |torque: f64| 9.0 / 60.0 * torque;
+        like.current = state.current;
+        like.rotor = state.rotor;
+        like.stages = state.stages;
+        let beside = torques.stages[0] - other.torques(&like).stages[0];
+        other.set_deflection(&mut like, 0, joint.deflection_rad(&state, 0) + spring(beside));
+        other.refresh(&mut like);
+        let found = other.torques(&like);
+        assert!(beside.abs() > 1e-4, "{beside}");
+        assert!((found.stages[0] / torques.stages[0] - 1.0).abs() < 1e-9);
+        let [one, two] = [torques, found].map(|torques| torques.stage_friction[0]);
+        assert!((one / two - 1.0).abs() < 1e-9, "{one} {two}");
+    }
+
+    #[test]
+    fn friction_that_follows_an_angle_follows_that_of_its_own_shaft() {
+        let location = Location::Stage(2);
+        let course = EffectParameters::example(Kind::PositionDependentFriction);
+        let (joint, state) = moving(&[EffectParameters { location, ..course }]);
+        let told = |turned: f64, wound: f64| {
+            let mut state = state;
+            state.angle = state.angle.ahead(turned / TAU);
+            let wound = wound + joint.deflection_rad(&state, 0);
+            joint.set_deflection(&mut state, 0, wound);
+            joint.refresh(&mut state);
+            joint.torques(&state).stage_friction[1]
+        };
+        // The output is turned by neither, by a ninth of 3 rad, and by both, which take each other away.
+        let [plain, turned, both] = [told(0.0, 0.0), told(3.0, 0.0), told(3.0, 3.0)];
+        assert!((both / plain - 1.0).abs() < 1e-9 && (turned / plain - 1.0).abs() > 1e-3);
     }
 }

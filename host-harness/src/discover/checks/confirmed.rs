@@ -118,6 +118,10 @@ fn asked(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discover::state::rounds::ScoreRow;
+    use crate::discover::trial;
+    use crate::estimate::noise::expected;
+    use crate::estimate::record::Record;
 
     #[test]
     fn beside_a_disturbance_nothing_may_speak_against_an_effect_and_one_has_to_be_beyond_chance() {
@@ -133,5 +137,93 @@ mod tests {
             assert_eq!(margin(&told, 3.3) >= 0.0, confirmed, "{told:?}");
         }
         assert_eq!(margin(&[4.0, 0.25], 3.3), 0.25);
+    }
+
+    #[test]
+    fn whoever_speaks_against_an_effect_most_is_its_least_and_all_of_them_count_together() {
+        let told = |elsewhere| {
+            let unseen = Unseen { t: 1.0, nearer: 3.0, ..Unseen::default() };
+            Witnessed { unseen, elsewhere }
+        };
+        assert_eq!([None, Some(0.5), Some(2.0)].map(|t| told(t).least()), [1.0, 0.5, 1.0]);
+        assert_eq!(
+            [told(None).all(), told(Some(2.0)).all()],
+            [vec![1.0, 3.0], vec![1.0, 3.0, 2.0]]
+        );
+        assert_eq!(told(None).t(), 1.0);
+        assert!((told(Some(2.0)).t() - 3.0 / 2.0_f64.sqrt()).abs() < 1e-12);
+    }
+
+    /// A line that a search has found in a log of a motor which has none, of a size that unseen samples speak
+    /// against by less than [`SIGMAS`]; and that search, changed.
+    fn kept(
+        noise: bool,
+        elsewhere: bool,
+        change: impl Fn(&mut Search),
+    ) -> (Search, Vec<Witnessed>) {
+        let (nominal, line) = (trial::motor(), trial::line(12.0).with("amplitude_nm", 0.0));
+        let log = trial::log(&nominal, line, 4.0);
+        let record = Record::new(&log, None);
+        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
+        let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(!tested))).collect();
+        let problem = Problem::new(&record, &mask).rough();
+        let before = trial::fitted(&problem, &nominal, &[]);
+        let mut found = Search::new(before, &[], expected(&nominal, &record));
+        found.rounds.push(trial::round(100.0));
+        let doubted = (0..60).find_map(|k| {
+            let mut with = found.before.clone();
+            with.fit.model.effects.push(line.with("amplitude_nm", 1e-3 * 0.8_f64.powi(k)));
+            let told = unseen(&problem, &found.before.fit, &with.fit, &tested).unwrap();
+            (-0.9 * SIGMAS..-0.1).contains(&told.t).then_some(with)
+        });
+        found.after = doubted.unwrap();
+        change(&mut found);
+        let other = Elsewhere::new(&log, &record, (60_000, 2)).unwrap();
+        let others = if elsewhere { vec![other] } else { Vec::new() };
+        let told = keep_confirmed(&problem, &mut found, (&tested, &others), noise).unwrap();
+        (found, told)
+    }
+
+    #[test]
+    fn a_doubt_takes_an_effect_back_where_noise_is_left_or_a_disturbance_and_no_regression_is_certain()
+     {
+        let name = trial::round(1.0).name;
+        let disturb = |found: &mut Search| found.after.fit.noise.reversal = 1e-12;
+        let measure = |found: &mut Search| found.measured.push(name);
+        let both = |found: &mut Search| {
+            disturb(found);
+            measure(found);
+        };
+        for (noise, change, stays) in [
+            (true, &(|_: &mut Search| ()) as &dyn Fn(&mut Search), true),
+            (false, &|_| (), false),
+            (false, &measure, true),
+            (true, &disturb, false),
+            (true, &both, true),
+        ] {
+            let (found, told) = kept(noise, false, change);
+            assert_eq!((told.len(), found.rounds.len()), (usize::from(stays), usize::from(stays)));
+            assert_eq!(found.after.fit.model.effects.len(), usize::from(stays));
+            let taken: Vec<_> = found.unconfirmed.iter().map(|own| own.contender.name).collect();
+            assert_eq!(taken, if stays { vec![] } else { vec![name] });
+            assert!(told.iter().all(|own| own.elsewhere.is_none()));
+        }
+        let (_, told) = kept(true, true, measure);
+        assert!(told.iter().all(|own| own.elsewhere.is_some()));
+    }
+
+    #[test]
+    fn chance_is_that_of_all_hypotheses_of_the_first_round() {
+        let (nominal, line) = (trial::motor(), trial::line(12.0));
+        let record = Record::new(&trial::log(&nominal, line, 4.0), None);
+        let mask = vec![1.0; record.len()];
+        let before = trial::fitted(&Problem::new(&record, &mask).rough(), &nominal, &[]);
+        let mut found = Search::new(before, &[], expected(&nominal, &record));
+        let row = |round| ScoreRow { round, name: String::new(), score: 0.0, refitted: None };
+        found.scores = [1; 10].into_iter().chain([2; 5]).map(row).collect();
+        // One in two hundred of a normal deviate, and one in twenty.
+        assert!((by_chance(&found) - 2.5758).abs() < 1e-4);
+        found.scores.clear();
+        assert!((by_chance(&found) - 1.6449).abs() < 1e-4);
     }
 }

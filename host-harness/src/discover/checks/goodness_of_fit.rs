@@ -201,6 +201,9 @@ pub fn rms(rows: &[[f64; CHANNELS]], mask: &[f64], channel: Option<usize>) -> f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discover::trial;
+    use crate::estimate::filter::Colour;
+    use crate::estimate::record::Record;
 
     #[test]
     fn noise_that_an_effect_may_leave_is_too_much_for_a_plain_model() {
@@ -250,5 +253,79 @@ mod tests {
         assert_eq!(complaints.len(), 2);
         assert!(complaints[0].contains("motor_angle_rad") && complaints[0].contains("0.30"));
         assert!(complaints[1].contains("output_angle_rad") && complaints[1].contains("2.00"));
+    }
+
+    #[test]
+    fn a_channel_varies_and_is_correlated_over_the_samples_of_the_mask() {
+        let rows: Vec<[f64; CHANNELS]> = [1.0, -2.0, 3.0, 1e9, 5.0].map(|e| [0.0, e, 7.0]).into();
+        let (variance, colour) = moments(&rows, &[1.0, 1.0, 1.0, 0.0, 1.0], 1);
+        assert_eq!(variance, 39.0 / 4.0);
+        // Products of neighbours −2 − 6, then 3 of two apart and 15, and −10 and 5 of those farther.
+        let wanted = [-8.0, 18.0, -10.0, 5.0, 0.0, 0.0, 0.0, 0.0].map(|sum| sum / 4.0 / variance);
+        assert!(colour.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{colour:?}");
+        assert_eq!(moments(&[[-1e9; CHANNELS]], &[1.0], 0).0, BEYOND * BEYOND);
+    }
+
+    #[test]
+    fn an_rms_is_of_what_is_measured_of_one_channel_or_of_all() {
+        let rows = [[3.0, 0.0, 1e9], [0.0, 4.0, 9.0]];
+        let mask = [1.0, 1.0];
+        assert_eq!(rms(&rows, &mask, Some(0)), 3.0);
+        assert_eq!(rms(&rows[..1], &mask, Some(2)), BEYOND);
+        assert_eq!(rms(&rows, &[0.0, 1.0], None), (97.0_f64 / 2.0).sqrt());
+        assert_eq!(rms(&rows, &[0.0, 0.0], None), 0.0);
+    }
+
+    #[test]
+    fn a_right_model_leaves_what_its_replicates_do_and_noise_is_told_by_what_is_expected() {
+        let nominal = trial::motor();
+        let line = trial::line(12.0).with("amplitude_nm", 0.0);
+        let record = Record::new(&trial::log(&nominal, line, 4.0), None);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let fit = trial::fitted(&problem, &nominal, &[]).fit;
+        let own = fit.noise;
+        let mut expected = Noise { drive: 0.5 * own.drive, torque: 0.25 * own.torque, ..own };
+        let told = |fit: &Fit, expected: &Noise| {
+            Remainder::of(&problem, fit, expected, problem.mask).unwrap()
+        };
+        let left = told(&fit, &expected);
+        assert_eq!(
+            (left.drive, left.torque, left.disturbed, left.multimodal),
+            (2.0, 4.0, 0.0, false)
+        );
+        for channel in [Channel::Current as usize, Channel::Motor as usize] {
+            assert!((left.variance[channel] - 1.0).abs() < 0.15, "{left:?}");
+            assert!((left.floor[channel] - 1.0).abs() < 0.1, "{left:?}");
+            assert!(left.colour[channel] < AUTOCORRELATION, "{left:?}");
+        }
+        let output = Channel::Output as usize;
+        assert_eq!((left.variance[output], left.floor[output]), (0.0, 0.0));
+        assert!((left.floor_all - 1.0).abs() < 0.1, "{left:?}");
+        let mut coloured = fit.clone();
+        coloured.noise.coloured[Disturbed::Rotor as usize] =
+            Colour { deviation: 3.0 * own.torque, correlation_s: 0.1 };
+        expected.torque = own.torque;
+        assert!((told(&coloured, &expected).disturbed - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_at_its_bound_is_no_complaint_and_what_is_beyond_is() {
+        let bound = Remainder {
+            drive: DRIVE_RATIO,
+            torque: TORQUE_RATIO,
+            output: TORQUE_RATIO,
+            disturbed: TORQUE_RATIO,
+            unseen: UNSEEN,
+            colour: [AUTOCORRELATION; CHANNELS],
+            variance: [1.0 + VARIANCE; CHANNELS],
+            ..Remainder::default()
+        };
+        assert!(bound.complaints(false).is_empty(), "{:?}", bound.complaints(false));
+        let loud = Remainder { drive: 2.0 * DRIVE_RATIO, output: 9.0, ..bound };
+        let complaints = loud.complaints(false);
+        assert!(complaints[0].contains("6.0 times the noise on the drive"), "{complaints:?}");
+        assert!(complaints[1].contains("9.0 times the noise on the output"), "{complaints:?}");
+        assert_eq!(complaints.len(), 2);
     }
 }

@@ -183,3 +183,115 @@ pub(crate) fn coordinates(
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::actuator;
+    use crate::discover::trial;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+    use crate::log::Log;
+    use crate::synthetic::{Experiment, record};
+    use joint_core::params::Stage;
+
+    #[test]
+    fn every_equation_that_a_log_shows_may_be_disturbed_at_three_rates_of_its_scale() {
+        let model = actuator();
+        let log = record(&model, &Experiment::clean(0.01), 1).unwrap();
+        let record = Record::new(&Log { output_angle_rad: None, ..log }, None);
+        let mask = vec![1.0; record.len()];
+        let noise =
+            Noise { torque: 2.0, sensors: [3.0, 4.0, 5.0], ..noise::expected(&model, &record) };
+        let largest = record.drive_values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let scales = [
+            (Equation::Voltage, 0.05 * largest),
+            (Equation::Torque(0), 40.0),
+            (Equation::Torque(1), 40.0),
+            (Equation::Sensor(Channel::Current), 5.0 * noise.sensors[Channel::Current as usize]),
+            (Equation::Sensor(Channel::Motor), 5.0 * noise.sensors[Channel::Motor as usize]),
+        ];
+        let of = |(equation, scale): (Equation, f64)| {
+            [1.0, 10.0, 100.0].map(|rate| Walk::random(equation, scale, rate * scale))
+        };
+        let wanted: Vec<Walk> = scales.into_iter().flat_map(of).collect();
+        assert!(largest > 1.0);
+        assert_eq!(disturbances(&Problem::new(&record, &mask), &model, &noise), wanted);
+    }
+
+    #[test]
+    fn the_equation_that_misses_a_torque_comes_first_at_its_likeliest_rate_and_shows_that_torque() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let mask = vec![1.0; record.len()];
+        let problem = Problem::new(&record, &mask).rough();
+        let noise = noise::expected(&nominal, &record);
+        let before = trial::fitted(&problem, &nominal, &[]);
+        let fits = disagreeing(&problem, &before, &noise, false).unwrap();
+        assert_eq!(fits[0].0.equation, Equation::Torque(0));
+        assert!(fits.is_sorted_by(|a, b| cost(&a.1) <= cost(&b.1)));
+        let model = &before.fit.model;
+        let mut along = Cow::Owned(Linearisation::default());
+        problem.design_along(&mut along, model, &noise).unwrap();
+        let deviance = |walk| problem.pushed(walk).deviance_along(&along, model, &noise).unwrap();
+        for (walk, _) in &fits {
+            let own = disturbances(&problem, model, &noise).into_iter();
+            let least = own.filter(|other| other.equation == walk.equation).map(deviance);
+            assert_eq!(deviance(*walk), least.fold(f64::INFINITY, f64::min), "{walk:?}");
+        }
+        let found = disturbance_along(&problem, &nominal, &noise, fits[0].0).unwrap();
+        let angles = record.measured.iter().map(|row| row[Channel::Motor as usize]);
+        let line: Vec<f64> = angles.map(|angle| -0.02 * (12.0 * angle + 0.8).sin()).collect();
+        let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+        let left: Vec<f64> = line.iter().zip(&found).map(|(line, found)| line - found).collect();
+        assert!(squares(&left) < 0.1 * squares(&line), "{} {}", squares(&left), squares(&line));
+    }
+
+    #[test]
+    fn an_equation_is_told_in_words_with_its_unit() {
+        let told = |equation| title(equation, Drive::Voltage, 2);
+        assert_eq!(told(Equation::Voltage), ("voltage".into(), "V"));
+        assert_eq!(title(Equation::Voltage, Drive::Current, 2), ("imposed current".into(), "A"));
+        assert_eq!(told(Equation::Torque(0)), ("rotor torque".into(), "Nm"));
+        assert_eq!(told(Equation::Torque(1)), ("stage 1 torque".into(), "Nm at the motor"));
+        assert_eq!(told(Equation::Torque(2)), ("output torque".into(), "Nm at the motor"));
+        assert_eq!(told(Equation::Sensor(Channel::Output)), ("output encoder".into(), "rad"));
+    }
+
+    #[test]
+    fn a_disturbance_may_follow_the_motor_the_drive_and_the_shaft_behind_all_gears() {
+        let mut model = actuator();
+        model.stages.push(Stage { reduction: 4.0, ..model.stages[0] });
+        let log = record(&model, &Experiment::clean(0.01), 1).unwrap();
+        let record = Record::new(&log, None);
+        let mask = vec![1.0; record.len()];
+        // Current and angle, deflections, speeds, bristles.
+        let state = vec![3.0, 8.0, 0.5, 0.25, 6.0, 7.0, 72.0, 0.1, 0.2, 0.3];
+        let run = Run { innovations: Vec::new(), states: vec![state; 2] };
+        let of = |model: &Model, record: &Record| -> BTreeMap<&str, f64> {
+            let all = coordinates(&Problem::new(record, &mask), model, &run);
+            all.into_iter().map(|(name, series)| (name, series[1])).collect()
+        };
+        let wanted = [
+            (TURN, 8.0 - TAU),
+            ("motor_angle_rad (over the travel)", 8.0),
+            ("motor_speed_rad_per_s", 6.0),
+            ("i_a", 3.0),
+            ("u_v", record.drive_values[1]),
+            ("t_s", record.time_s[1]),
+            ("output_angle_rad", 7.25 / 36.0),
+            ("output_speed_rad_per_s", 2.0),
+            (WINDUP, 0.25 / 36.0),
+        ];
+        let told = of(&model, &record);
+        assert_eq!(told.len(), wanted.len());
+        for (name, value) in wanted {
+            assert!((told[name] - value).abs() < 1e-12, "{name}: {}, {value}", told[name]);
+        }
+        // A current that is imposed is known; a motor alone has no other shaft.
+        let mut imposed = record.clone();
+        imposed.drive = Drive::Current;
+        assert_eq!(of(&model, &imposed)["i_a"], record.drive_values[1]);
+        assert_eq!(of(&trial::motor(), &record).len(), 6);
+    }
+}

@@ -74,6 +74,7 @@ mod tests {
     use crate::estimate::fit::Problem;
     use crate::model::Model;
     use crate::synthetic::{Experiment, record};
+    use joint_core::joint::Drive;
 
     /// What another record, rubbing a tenth harder, says of a line that was fitted to a log which has it, or
     /// whose day alone had it.
@@ -99,6 +100,18 @@ mod tests {
         let lined = Model { effects: vec![trial::line(12.0)], ..plain.clone() };
         let [there, not] = [told(&lined), told(&plain)];
         assert!(there > 3.0 && not < -3.0, "{there} {not}");
+    }
+
+    #[test]
+    fn another_record_is_timed_and_driven_as_the_first_one_is() {
+        let log = trial::log(&trial::motor(), trial::line(12.0), 4.0);
+        let like = Record::new(&log, None);
+        let lead = |like: &Record| Elsewhere::new(&log, like, (60_000, 2)).unwrap().record.lead_s();
+        assert_eq!(lead(&like), 0.0);
+        assert!(lead(&like.centred()) > 0.0);
+        let mut driven = like;
+        driven.drive = Drive::Current;
+        assert!(Elsewhere::new(&log, &driven, (60_000, 2)).is_err());
     }
 
     #[test]

@@ -60,5 +60,9 @@ mod tests {
         assert!(cannot_tell(&record(|_| 0.3))[0].contains("never changes"));
         assert!(cannot_tell(&record(|k| 1e-3 * (k / 7 % 2) as f64))[0].contains("1 of its counts"));
         assert!(cannot_tell(&record(|k| 1e-3 * k as f64)).is_empty());
+        // Wherever the encoder was zeroed; six counts are a motion.
+        let swings = |counts: usize| move |k: usize| 5.0 + 0.125 * (k % (counts + 1)) as f64;
+        assert!(cannot_tell(&record(swings(5)))[0].contains("5 of its counts"));
+        assert!(cannot_tell(&record(swings(6))).is_empty());
     }
 }

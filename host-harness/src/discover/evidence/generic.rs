@@ -167,6 +167,8 @@ fn left_out<F: Family>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
+
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
@@ -262,5 +264,45 @@ mod tests {
             .collect();
         let found = asked(&series, &angle, &speed).unwrap();
         assert!(found.by_direction && found.follows == "angle", "{found:?}");
+    }
+
+    #[test]
+    fn a_family_has_no_more_knots_than_a_sixteenth_of_the_samples() {
+        // Four periods, which twelve knots follow and four do not.
+        let law = |samples: usize| {
+            let angle: Vec<f64> = (0..samples).map(|k| (0.618_034 * k as f64).fract()).collect();
+            let series: Vec<f64> = angle.iter().map(|x| (TAU * 4.0 * x).sin()).collect();
+            let direction = vec![1.0; samples];
+            predicted(&series, &[("angle", angle)], &[], &direction, &vec![true; samples])
+        };
+        assert!(law(191).is_none_or(|found| found.share.value < 0.2), "{:?}", law(191));
+        assert!(law(192).unwrap().share.value > 0.4, "{:?}", law(192));
+    }
+
+    #[test]
+    fn what_a_curve_leaves_is_the_series_less_its_values() {
+        let values: Vec<f64> = (0..1000).map(|k| f64::from(k % 100)).collect();
+        let grid = Grid::new(&values, None, 2).unwrap();
+        let series: Vec<f64> = values.iter().map(|x| 2.0 * x - 40.0).collect();
+        let left = left(&series, &grid);
+        // A ridge of one sample beside some three hundred of each knot.
+        assert!(left.len() == 1000 && left.iter().all(|left| left.abs() < 1.0), "{left:?}");
+    }
+
+    #[test]
+    fn a_block_is_predicted_by_those_that_are_no_neighbours_alone() {
+        // Each place is visited in one block and at its ends: nothing that is learned elsewhere holds there.
+        let values: Vec<f64> = (0..120).map(f64::from).collect();
+        let series = vec![1.0; 120];
+        let grid = Grid::new(&values, None, 120).unwrap();
+        let every = vec![true; 120];
+        let blocks = Blocks::over(&every, 20);
+        let share = left_out(&series, &grid, &blocks, 1.0, &every);
+        assert_eq!(share.value, 0.0);
+        // Where it is visited in every block, all of it holds but for the ridge.
+        let values: Vec<f64> = (0..120).map(|k| f64::from(k % 20)).collect();
+        let grid = Grid::new(&values, None, 20).unwrap();
+        let share = left_out(&series, &grid, &blocks, 1e-9, &every);
+        assert!((share.value - 1.0).abs() < 1e-6, "{share:?}");
     }
 }

@@ -175,4 +175,29 @@ mod tests {
         let grid = Grid::new(&[0.0, f64::NAN, 1.0], None, 2).unwrap();
         assert_eq!(grid.value(&[5.0, 5.0], 1), 0.0);
     }
+
+    #[test]
+    fn a_value_lies_on_the_line_between_its_knots_and_a_standstill_counts_as_forward() {
+        let values = [0.0, 0.25, 1.5, 2.0, 3.0];
+        let grid = Grid::new(&values, Some(&[1.0, 0.0, 0.0, -1.0, -1.0]), 4).unwrap();
+        let coefficients = [0.0, 1.0, 2.0, 3.0, 10.0, 11.0, 12.0, 13.0];
+        let told = [0, 1, 2, 3, 4].map(|k| grid.value(&coefficients, k));
+        assert_eq!(told, [0.0, 0.25, 1.5, 12.0, 13.0]);
+    }
+
+    #[test]
+    fn samples_that_are_taken_away_again_leave_no_trace_and_a_ridge_pulls_to_zero() {
+        let grid = Grid::new(&[0.0, 1.0, 0.0, 1.0, 0.5], None, 2).unwrap();
+        let [mut all, mut part] = [grid.none(), grid.none()];
+        let series = [2.0, 6.0, 4.0, 8.0, 100.0];
+        grid.add(&mut all, &series, 0..5);
+        grid.add(&mut part, &series, 4..5);
+        all.plus(&part, -1.0);
+        // Two samples at each knot, and two more that are zero.
+        assert_eq!(all.solved(2.0), [6.0 / 4.0, 14.0 / 4.0]);
+        all.plus(&part, 1.0);
+        let mut whole = grid.none();
+        grid.add(&mut whole, &series, 0..5);
+        assert_eq!(all.solved(1.0), whole.solved(1.0));
+    }
 }

@@ -104,4 +104,18 @@ mod tests {
         assert_eq!(family.value(&found, 7), 0.0);
         assert!(Linear::new(&[&[4.0; 500]]).is_none());
     }
+
+    #[test]
+    fn coordinates_count_about_their_mean_and_by_their_rms_against_a_ridge() {
+        let plain = [-1.0, 1.0, -1.0, 1.0];
+        let family = Linear::new(&[&plain.map(|x| 1000.0 + 50.0 * x)]).unwrap();
+        let mut equations = family.none();
+        family.add(&mut equations, &plain.map(|x| 8.0 * x + 3.0), 0..4);
+        // Four samples, and two more that are zero.
+        let found = equations.solved(2.0);
+        assert!(
+            (found[0] - 32.0 / 6.0).abs() < 1e-12 && (found[1] - 2.0).abs() < 1e-12,
+            "{found:?}"
+        );
+    }
 }

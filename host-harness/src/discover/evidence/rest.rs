@@ -135,8 +135,12 @@ impl Side {
 #[cfg(test)]
 mod tests {
     use joint_core::effect::Kind;
+    use joint_core::params::Stage;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::demo::actuator;
     use crate::discover::trial;
     use crate::estimate::noise;
     use crate::estimate::record::Record;
@@ -175,5 +179,68 @@ mod tests {
             "{:?}",
             rest.share
         );
+    }
+
+    #[test]
+    fn a_fitted_maps_scale_goes_into_its_knots() {
+        let map = EffectParameters::new(Kind::TorqueMap, Location::Motor).with("period_rad", 1.0);
+        let map = map.with_table(&[1.0, -2.0], &[0.5, 4.0]).unwrap().with("scale", 3.0);
+        let scaled = scaled(map);
+        assert_eq!(scaled.get("scale"), Some(1.0));
+        assert_eq!([scaled.table.forward(), scaled.table.backward()], [[3.0, -6.0], [1.5, 12.0]]);
+    }
+
+    /// The demonstration's joint with a second gear: 9:1, then 4:1.
+    fn geared() -> Model {
+        let mut model = actuator();
+        model.stages.push(Stage { reduction: 4.0, ..model.stages[0] });
+        model
+    }
+
+    #[test]
+    fn rotor_and_output_have_maps_and_what_is_between_them_has_none() {
+        let side = |mass| {
+            let side = Side::of(mass, &geared());
+            side.map(|side| (side.location, side.reduction))
+        };
+        let wanted = [Some((Location::Motor, 1.0)), None, Some((Location::Output, 36.0))];
+        assert_eq!([0, 1, 2].map(side), wanted);
+    }
+
+    #[test]
+    fn a_map_of_the_output_is_over_its_own_angle_and_speed_in_its_own_torque() {
+        let model = geared();
+        let layout = Layout::of(&model);
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        // To and fro; another law forth than back, and noise of a twentieth of it.
+        let moves = |k: usize| {
+            let phase = k as f64 * 0.011 + 0.5 * (k as f64 * 0.0013).sin();
+            (2.0 * phase.sin(), 30.0 * phase.cos())
+        };
+        let law = |q: f64, v: f64| if v > 0.0 { 3.0 * q.sin() } else { -2.0 * q };
+        let states = (0..8000).map(|k| {
+            let (q, v) = moves(k);
+            let noise = random.random_range(-0.2..0.2);
+            let mut state = vec![0.0; layout.len() + 1];
+            state[layout.deflection(0)] = 0.5;
+            state[layout.deflection(1)] = 2.5;
+            state[Layout::ANGLE] = 36.0 * q + 3.0;
+            state[layout.speed(2)] = 36.0 * v;
+            state[layout.len()] = (law(q, v) + noise) / 36.0;
+            state
+        });
+        let run = Run { innovations: Vec::new(), states: states.collect() };
+        let maps = Side::of(2, &model).unwrap().maps(&run, &[false; 8000]);
+        let map = maps[0];
+        let get = |key| map.get(key).unwrap();
+        assert!((get("start_rad") + 2.0).abs() < 1e-3 && (get("span_rad") - 4.0).abs() < 1e-3);
+        let rms = ((0..8000).map(|k| moves(k).1.powi(2)).sum::<f64>() / 8000.0).sqrt();
+        assert!((get("blend_rad_per_s") / rms - 0.1).abs() < 1e-9, "{map:?}");
+        let knots = map.table.forward();
+        for (k, knot) in knots.iter().enumerate().skip(1).take(knots.len() - 2) {
+            let wanted = law(4.0 * k as f64 / (knots.len() - 1) as f64 - 2.0, 1.0);
+            assert!((knot - wanted).abs() < 0.3, "{k}: {knot} {wanted}");
+        }
+        assert!(Side::of(2, &model).unwrap().maps(&run, &[true; 8000]).is_empty());
     }
 }

@@ -64,4 +64,10 @@ mod tests {
         assert_eq!(gone.named(), Share { value: 0.0, error: 0.0 });
         assert_eq!(divided(&gone, &[vec![5.0; 4]])[0].value, 0.0);
     }
+
+    #[test]
+    fn effects_that_gain_nothing_have_no_share_of_what_is_gone() {
+        let gone = Disturbances { before: vec![1.0; 4], after: vec![0.5; 4] };
+        assert_eq!(divided(&gone, &[vec![0.0; 4]])[0], Share { value: 0.0, error: 0.0 });
+    }
 }
