@@ -122,6 +122,7 @@ mod tests {
     use crate::discover::trial;
     use crate::estimate::noise::expected;
     use crate::estimate::record::Record;
+    use crate::log::Log;
 
     #[test]
     fn beside_a_disturbance_nothing_may_speak_against_an_effect_and_one_has_to_be_beyond_chance() {
@@ -154,13 +155,17 @@ mod tests {
         assert!((told(Some(2.0)).t() - 3.0 / 2.0_f64.sqrt()).abs() < 1e-12);
     }
 
-    /// A line that a search has found in a log of a motor which has none, of a size that unseen samples speak
-    /// against by less than [`SIGMAS`]; and that search, changed.
-    fn kept(
-        noise: bool,
-        elsewhere: bool,
-        change: impl Fn(&mut Search),
-    ) -> (Search, Vec<Witnessed>) {
+    /// A log of a motor, and a search that has found a line in it which is not there, of a size that unseen samples
+    /// speak against by less than [`SIGMAS`].
+    struct Doubted {
+        log: Log,
+        record: Record,
+        tested: Vec<bool>,
+        mask: Vec<f64>,
+        found: Search,
+    }
+
+    fn doubted() -> Doubted {
         let (nominal, line) = (trial::motor(), trial::line(12.0).with("amplitude_nm", 0.0));
         let log = trial::log(&nominal, line, 4.0);
         let record = Record::new(&log, None);
@@ -170,46 +175,41 @@ mod tests {
         let before = trial::fitted(&problem, &nominal, &[]);
         let mut found = Search::new(before, &[], expected(&nominal, &record));
         found.rounds.push(trial::round(100.0));
-        let doubted = (0..60).find_map(|k| {
+        let with = (0..60).find_map(|k| {
             let mut with = found.before.clone();
             with.fit.model.effects.push(line.with("amplitude_nm", 1e-3 * 0.8_f64.powi(k)));
             let told = unseen(&problem, &found.before.fit, &with.fit, &tested).unwrap();
             (-0.9 * SIGMAS..-0.1).contains(&told.t).then_some(with)
         });
-        found.after = doubted.unwrap();
-        change(&mut found);
-        let other = Elsewhere::new(&log, &record, (60_000, 2)).unwrap();
-        let others = if elsewhere { vec![other] } else { Vec::new() };
-        let told = keep_confirmed(&problem, &mut found, (&tested, &others), noise).unwrap();
-        (found, told)
+        found.after = with.unwrap();
+        Doubted { log, record, tested, mask, found }
     }
 
     #[test]
     fn a_doubt_takes_an_effect_back_where_noise_is_left_or_a_disturbance_and_no_regression_is_certain()
      {
+        let Doubted { log, record, tested, mask, found } = doubted();
+        let problem = Problem::new(&record, &mask).rough();
         let name = trial::round(1.0).name;
-        let disturb = |found: &mut Search| found.after.fit.noise.reversal = 1e-12;
-        let measure = |found: &mut Search| found.measured.push(name);
-        let both = |found: &mut Search| {
-            disturb(found);
-            measure(found);
-        };
-        for (noise, change, stays) in [
-            (true, &(|_: &mut Search| ()) as &dyn Fn(&mut Search), true),
-            (false, &|_| (), false),
-            (false, &measure, true),
-            (true, &disturb, false),
-            (true, &both, true),
+        let other = [Elsewhere::new(&log, &record, (60_000, 2)).unwrap()];
+        for (noise, disturbed, certain, others, stays) in [
+            (true, false, false, &[][..], true),
+            (false, false, false, &[], false),
+            (false, false, true, &[], true),
+            (true, true, false, &[], false),
+            (true, true, true, &other, true),
         ] {
-            let (found, told) = kept(noise, false, change);
-            assert_eq!((told.len(), found.rounds.len()), (usize::from(stays), usize::from(stays)));
-            assert_eq!(found.after.fit.model.effects.len(), usize::from(stays));
+            let mut found = found.clone();
+            found.after.fit.noise.reversal = if disturbed { 1e-12 } else { 0.0 };
+            found.measured = if certain { vec![name] } else { Vec::new() };
+            let told = keep_confirmed(&problem, &mut found, (&tested, others), noise).unwrap();
+            let count = usize::from(stays);
+            assert_eq!([told.len(), found.rounds.len()], [count; 2]);
+            assert_eq!(found.after.fit.model.effects.len(), count);
             let taken: Vec<_> = found.unconfirmed.iter().map(|own| own.contender.name).collect();
             assert_eq!(taken, if stays { vec![] } else { vec![name] });
-            assert!(told.iter().all(|own| own.elsewhere.is_none()));
+            assert!(told.iter().all(|own| own.elsewhere.is_none() == others.is_empty()));
         }
-        let (_, told) = kept(true, true, measure);
-        assert!(told.iter().all(|own| own.elsewhere.is_some()));
     }
 
     #[test]

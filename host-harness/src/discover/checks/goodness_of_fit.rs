@@ -298,6 +298,9 @@ mod tests {
             assert!((left.variance[channel] - 1.0).abs() < 0.15, "{left:?}");
             assert!((left.floor[channel] - 1.0).abs() < 0.1, "{left:?}");
             assert!(left.colour[channel] < AUTOCORRELATION, "{left:?}");
+            let (variance, _) = moments(&fit.innovations, &mask, channel);
+            let told = left.variance[channel] * left.floor[channel].powi(2);
+            assert!((told / variance - 1.0).abs() < 1e-9, "{told} {variance}");
         }
         let output = Channel::Output as usize;
         assert_eq!((left.variance[output], left.floor[output]), (0.0, 0.0));

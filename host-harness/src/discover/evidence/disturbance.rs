@@ -240,6 +240,7 @@ mod tests {
             assert_eq!(deviance(*walk), least.fold(f64::INFINITY, f64::min), "{walk:?}");
         }
         let found = disturbance_along(&problem, &nominal, &noise, fits[0].0).unwrap();
+        assert_eq!(found.len(), record.len());
         let angles = record.measured.iter().map(|row| row[Channel::Motor as usize]);
         let line: Vec<f64> = angles.map(|angle| -0.02 * (12.0 * angle + 0.8).sin()).collect();
         let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();

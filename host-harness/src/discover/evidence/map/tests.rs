@@ -190,6 +190,9 @@ fn bends_are_held_down_in_each_curve_and_over_the_end_of_a_turn_alone() {
     // A bend of one beside each of one of −2, by three and by two samples.
     assert!((energy(Over::Span, false, &tent) - 36.0).abs() < 1e-9);
     assert!((energy(Over::Turn, false, &tent) - 36.0).abs() < 1e-9);
+    // The last bend but one has it at its end, the last in its middle.
+    let late: Vec<f64> = (0..8).map(|k| f64::from(u8::from(k == 6))).collect();
+    assert!((energy(Over::Span, false, &late) - 30.0).abs() < 1e-9);
     // Over the end of a turn the line bends by eight, there and back.
     assert!((energy(Over::Turn, false, &line) - 6.0 * 128.0).abs() < 1e-9);
     assert!((energy(Over::Span, true, &[line, tent].concat()) - 36.0).abs() < 1e-9);
