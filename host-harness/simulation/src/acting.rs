@@ -247,7 +247,7 @@ mod tests {
         // What the filter shows at a sample is of the value held before it.
         let held: Vec<f64> = time_s.iter().map(|t| (90.0 * t).sin()).collect();
         let before: Vec<f64> = [0.0].into_iter().chain(held.iter().copied()).take(200).collect();
-        let shown = Reported::Filtered(0.02).of(&before, &time_s, 1e-3);
+        let shown = Reported::Filtered(0.02).of(&before, &time_s);
         let undone = unfiltered(&shown, &time_s, 0.02);
         let error = undone.iter().zip(&held).take(199).map(|(a, b)| (a - b).abs());
         assert!(error.fold(0.0, f64::max) < 1e-10);

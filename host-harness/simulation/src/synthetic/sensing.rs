@@ -116,19 +116,11 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     #[test]
-    fn a_late_current_is_that_of_a_fraction_of_a_sample_before() {
-        let time_s: Vec<f64> = (0..50).map(|k| 1e-3 * f64::from(k)).collect();
-        let values: Vec<f64> = time_s.iter().map(|t| 7.0 * t).collect();
-        let late = Reported::Late(2.5).of(&values, &time_s, 1e-3);
-        assert!((late[40] - 7.0 * 0.0375).abs() < 1e-12);
-    }
-
-    #[test]
     fn a_filtered_current_has_its_time_constant() {
         let time_s: Vec<f64> = (0..=100).map(|k| 1e-3 * f64::from(k)).collect();
         let mut values = vec![1.0; 101];
         values[0] = 0.0;
-        let filtered = Reported::Filtered(0.02).of(&values, &time_s, 1e-3);
+        let filtered = Reported::Filtered(0.02).of(&values, &time_s);
         // After one time constant of a step 1 − 1/e is left to none.
         assert!((filtered[20] - (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
     }

@@ -112,3 +112,28 @@ fn removing_an_effect_with_a_memory_leaves_the_rest_of_the_state() {
     let ratios = record_wide(&model, &own, 8).unwrap().signal_to_noise;
     assert!(ratios[0] < 1e-3 && ratios[1] > 1.0, "{ratios:?}");
 }
+
+#[test]
+fn a_late_current_is_what_flowed_that_long_before_and_no_straight_line_between_samples() {
+    let mut model = actuator();
+    // A winding that settles within a sample.
+    model.motor.phase_inductance_h = 0.1 * 2e-4 * model.motor.phase_resistance_ohm;
+    model.sensor.current_noise_a = 0.0;
+    let shown = |reported: Reported| {
+        let mut own = setting(Motion::Multisine);
+        own.sensing.current = reported;
+        record_wide(&model, &own, 4).unwrap().log.current_a.unwrap()
+    };
+    let [at_once, whole, part] =
+        [Reported::AtOnce, Reported::Late(2.0), Reported::Late(2.5)].map(shown);
+    let largest = at_once.iter().fold(0.0, |most: f64, i| most.max(i.abs()));
+    let near = |a: f64, b: f64, share: f64| (a - b).abs() < share * largest;
+    assert!((10..at_once.len()).all(|k| near(whole[k], at_once[k - 2], 1e-4)));
+    // Half a sample is five time constants, behind which the winding is where the sample's end finds it.
+    assert!((10..at_once.len()).all(|k| near(part[k], at_once[k - 2], 0.02)));
+    assert!((10..at_once.len()).any(|k| !near(
+        part[k],
+        0.5 * (at_once[k - 2] + at_once[k - 3]),
+        0.05
+    )));
+}
