@@ -162,6 +162,7 @@ impl<S: LuGre> Friction<S> {
     }
 
     /// Friction torque σ0 z + σ1 ż + σ2 v as the mass was last found; not for the step.
+    #[inline(never)]
     pub(crate) fn felt(&self, mass: &Mass<S>, changed: Changed<S>) -> S {
         let Bristle { zeta, slipping, .. } = mass.bristle;
         let Changed { inverse_level, creep } = changed;

@@ -84,15 +84,15 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
         let (joint, gains, state) = (&self.joint, &self.gains, &track.state);
         let rotor = &state.rotor;
         let all = S::ONE + track.parameters.friction;
-        let (motor_friction, stage_friction) = joint.friction(state);
-        let (motor_friction, stage_friction) =
-            (motor_friction * all, stage_friction.map(|friction| friction * all));
+        let (motor_friction, mut stage_friction) = joint.friction(state);
+        let motor_friction = motor_friction * all;
         let mut total = motor_friction;
         let mut turning = joint.rotor.turning(rotor);
         let mut wound = S::ZERO;
         let mut windup = [S::ZERO; N];
-        let out = stage_friction.iter().zip(&mut windup);
+        let out = stage_friction.iter_mut().zip(&mut windup);
         for ((stage, own), (friction, windup)) in state.stages.iter().zip(&joint.stages).zip(out) {
+            *friction = *friction * all;
             turning = turning + own.friction.turning(&stage.mass);
             total = total + *friction;
             *windup = stage.deflection;

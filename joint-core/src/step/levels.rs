@@ -64,11 +64,9 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
     }
 
     /// Friction torque on the rotor and on the mass behind each stage as they were last found; not for the step.
+    #[inline(never)]
     pub(crate) fn friction(&self, state: &State<S, N>) -> (S, [S; N]) {
-        let (rotor, mut felt) = match self.effects.has_levels() {
-            true => self.levels(state, state.angle),
-            false => (S::ONE, [S::ONE; N]),
-        };
+        let (rotor, mut felt) = self.levels_found(state);
         let changed = |number, inverse_level| changed((&self.effects, number), inverse_level);
         let rotor = self.rotor.felt(&state.rotor, changed(0, rotor));
         let stages = state.stages.iter().zip(&self.stages).zip(1..);
@@ -76,6 +74,17 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             *felt = own.friction.felt(&stage.mass, changed(number, *felt));
         }
         (rotor, felt)
+    }
+
+    /// [`Joint::levels`] of a state as it stands. On a chip there is one copy, since flash is short; a host's lanes
+    /// need it in place.
+    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
+    pub(super) fn levels_found(&self, state: &State<S, N>) -> (S, [S; N]) {
+        match self.effects.has_levels() {
+            true => self.levels(state, state.angle),
+            false => (S::ONE, [S::ONE; N]),
+        }
     }
 
     /// One over the effects' factor on every friction level.

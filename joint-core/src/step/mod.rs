@@ -96,7 +96,7 @@ impl<S: Scalar, const N: usize, E: Effects<S>> Joint<S, N, E> {
             joint: &'a Joint<S, N, E> = self,
             state: &'a mut State<S, N> = state,
         ) -> () {
-            let (rotor, stages) = joint.levels(state, state.angle);
+            let (rotor, stages) = joint.levels_found(state);
             settle((&joint.effects, 0), &joint.rotor, &mut state.rotor, rotor);
             let levels = stages.into_iter().zip(1..);
             for ((stage, own), (level, k)) in state.stages.iter_mut().zip(&joint.stages).zip(levels) {
