@@ -48,8 +48,11 @@ pub fn acts_late_s(model: &Model, grid: &Grid, drive: Drive) -> f64 {
 /// What is left beside whole samples of the delay with which a log shows the current, s, at most half a sample of either
 /// sign; zero where the joint is stepped from sample to sample.
 pub fn current_left_s(model: &Model, grid: &Grid) -> f64 {
-    let (delay, interval) = (model.sensor.current_delay_s, grid.typical_interval());
-    if grid.at_currents { delay - (delay / interval).round() * interval } else { 0.0 }
+    let interval = grid.typical_interval();
+    let samples = model.sensor.current_delay_s / interval;
+    let left = samples - samples.round();
+    // What is less than a file's digits is rounding.
+    if grid.at_currents && left.abs() > 1e-6 { left * interval } else { 0.0 }
 }
 
 /// How long after it is imposed an input acts, s; a current whose report is ahead of its filter acts as much

@@ -3,9 +3,9 @@
 //! With both angles in the log nobody has to believe a reduction: it is the slope of one over the other.
 //! A ratio that is off biases every fit and is named as an encoder's error. Wind-up, a late encoder and
 //! backlash follow torque, acceleration, speed and its sign; the slope is fitted with and without these
-//! beside it, and what both fits agree on is the ratio. Where the output moves so little that its springs under the
-//! drive's torque make more of a difference than the ratio, a load that itself follows the angle (a coating, gravity)
-//! looks the same: there it is a warning.
+//! beside it, and what both fits agree on is the ratio. A load that itself follows the angle, as that of a coating or of
+//! gravity, winds the gear in proportion to its travel, which looks the same: where the drive's torque has such a part, and
+//! the gear's springs under it make as much as what is off, it is a warning.
 
 use super::regression::Rows;
 use super::torque_balance::{as_one_s, drive_torque};
@@ -29,10 +29,8 @@ pub(super) const CHECK: Check =
 struct Measured {
     /// Output angle over motor angle with its standard error, without and with what winds the gear beside it.
     slopes: [(f64, f64); 2],
-    /// Half of how far the output travels, rad.
-    travel_rad: f64,
-    /// By how much the drive can wind the gear, rad at the output.
-    windup_rad: f64,
+    /// By how much the part of the drive's torque that follows the angle winds the gear at most, as a slope.
+    windup: f64,
 }
 
 fn measured(case: &Case<'_>) -> Option<Measured> {
@@ -44,24 +42,18 @@ fn measured(case: &Case<'_>) -> Option<Measured> {
     let output = windows.means(&log.time_s, output);
     let torque = drive_torque(model, log, &windows, &speeds);
     let slowest = windows.noise().0 * scatter(&log.motor_angle_rad);
-    let (mut plain, mut wound) = (Rows::new(2), Rows::new(6));
+    let (mut plain, mut wound, mut driven) = (Rows::new(2), Rows::new(6), Rows::new(5));
     for k in 0..windows.len() {
         plain.push(output[k], &[motor[k], 1.0]);
         let torque = torque.as_ref().map_or(0.0, |torque| torque[k]);
         let sign = (speeds[k] / slowest).clamp(-1.0, 1.0);
         wound.push(output[k], &[motor[k], 1.0, torque, accelerations[k], speeds[k], sign]);
+        driven.push(torque, &[motor[k], 1.0, accelerations[k], speeds[k], sign]);
     }
-    let [low, high] = output
-        .iter()
-        .filter(|angle| angle.is_finite())
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], angle| {
-            [low.min(*angle), high.max(*angle)]
-        });
-    let largest = torque.iter().flatten().fold(0.0, |most: f64, torque| most.max(torque.abs()));
+    let (follows, error) = driven.fit()?.coefficient(0);
     Some(Measured {
         slopes: [plain.fit()?.coefficient(0), wound.fit()?.coefficient(0)],
-        travel_rad: 0.5 * (high - low),
-        windup_rad: windup_rad(model, largest),
+        windup: windup_rad(model, follows.abs() + 2.0 * error),
     })
 }
 
@@ -79,9 +71,7 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
     if model.stages.is_empty() {
         return Vec::new();
     }
-    let Some(Measured { slopes, travel_rad, windup_rad }) = measured(case) else {
-        return Vec::new();
-    };
+    let Some(Measured { slopes, windup }) = measured(case) else { return Vec::new() };
     let nominal: f64 = model.stages.iter().map(|stage| stage.reduction).product();
     // Off the nominal as a share, for certain: at least this much, and to this side.
     let beyond = slopes.map(|(slope, error)| {
@@ -100,14 +90,14 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
     let share = 100.0 * (nominal * slope - 1.0);
     if beyond[0] * beyond[1] > 0.0 && known && apart < 0.5 * (slope - 1.0 / nominal).abs() {
         let (what, help) = mistake(model, slope * nominal, &measured);
-        let wound = (slope * nominal - 1.0).abs() * travel_rad < windup_rad;
+        let wound = (slope - 1.0 / nominal).abs() < windup;
         let severity = if wound { Severity::Warning } else { Severity::Error };
         let message = format!(
             "output_angle_rad and motor_angle_rad make a gear ratio of {measured}, the model's is {}{what}",
             figure(nominal, 0.0)
         );
         let message = match wound {
-            true => format!("{message}; over so little travel the gear's wind-up may do that"),
+            true => format!("{message}; a load that follows the angle may wind the gear by that"),
             false => message,
         };
         return vec![Finding::new(severity, message).help(help)];
@@ -204,18 +194,23 @@ mod tests {
     }
 
     #[test]
-    fn what_the_gears_wind_up_may_do_is_a_warning() {
-        let (mut model, mut log) = actuator_and_log();
-        // The gear's spring under the drive's torque makes more than what is off over so little travel.
-        model.stages[0].stiffness_nm_per_rad *= 1e-3;
-        log.output_angle_rad.iter_mut().flatten().for_each(|value| *value *= 0.98);
-        let told = of(&CHECK, &model, &log).remove(0);
-        assert_eq!(told.severity, Severity::Warning, "{told:?}");
-        assert!(told.message.contains("wind-up"), "{told:?}");
-        let [once, twice] = [1.0, 2.0].map(|torque| windup_rad(&model, torque));
-        let stage = &model.stages[0];
-        assert!((once - stage.reduction / stage.stiffness_nm_per_rad).abs() < 1e-9 * once);
-        assert!((twice - 2.0 * once).abs() < 1e-9 * once);
+    fn a_load_that_follows_the_angle_winds_the_gear_in_proportion_to_its_travel() {
+        let windup = |skin: f64| {
+            let (model, mut log) = actuator_and_log();
+            let stiffness = model.stages[0].stiffness_nm_per_rad;
+            let constant = model.motor.torque_constant_nm_per_a;
+            let output = log.output_angle_rad.clone().unwrap();
+            for (value, current) in output.iter().zip(log.current_a.as_mut().unwrap()) {
+                *current += skin * stiffness * value / (9.0 * constant);
+            }
+            measured(&Case::new(&model, &log)).unwrap().windup
+        };
+        // A skin that pushes back by a fifth of the gear's stiffness winds it by a fifth of its travel, a ninth of the motor's.
+        let [none, skin] = [0.0, 0.2].map(windup);
+        assert!((skin * 9.0 / 0.2 - 1.0).abs() < 0.3 && none < 0.1 * skin, "{none} {skin}");
+        let (model, _) = actuator_and_log();
+        let wound = windup_rad(&model, 2.0) * model.stages[0].stiffness_nm_per_rad;
+        assert!((wound - 18.0).abs() < 1e-9, "{wound}");
     }
 
     #[test]
