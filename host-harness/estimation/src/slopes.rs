@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::coordinates::Coordinate;
 use super::filter::Gains;
 use super::fit::Problem;
+use super::parameters::Quantity;
 use super::record::CHANNELS;
 use joint_simulation::model::Model;
 use joint_simulation::plant::plant;
@@ -105,7 +106,9 @@ impl Problem<'_> {
     /// Whether a coordinate moves the joint's constants and nothing else, and those smoothly.
     fn is_smooth(&self, model: &Model, coordinate: &Coordinate) -> bool {
         let outside = |kind: Kind| kind.is_of_a_sensor() || kind == Kind::InputDelay;
-        if coordinate.effect().is_some_and(|e| outside(model.effects[e].kind)) {
+        // A delay of the current moves what encoders show, too.
+        let delay = *coordinate == Coordinate::Parameter(Quantity::CurrentDelay);
+        if delay || coordinate.effect().is_some_and(|e| outside(model.effects[e].kind)) {
             return false;
         }
         let plant = |model: &Model| plant(model, &self.record.grid, self.record.drive).ok();
@@ -129,7 +132,6 @@ mod tests {
 
     use super::*;
     use crate::filter::{Equation, Linearisation, Observer, Walk};
-    use crate::parameters::Quantity;
     use crate::record::Record;
     use crate::{noise, replicate};
     use joint_simulation::log::Log;

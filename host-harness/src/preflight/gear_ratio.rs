@@ -19,6 +19,8 @@ use joint_core::params::Stage;
 const ALLOWED: f64 = 0.005;
 /// Standard errors beyond which a ratio is off.
 const CERTAIN: f64 = 4.0;
+/// Standard errors by which the torque that follows the angle may be larger than it is found.
+const POSSIBLE: f64 = 2.0;
 /// How near a factor of a mistake is, as a share of it.
 const NEAR: f64 = 0.02;
 
@@ -53,7 +55,7 @@ fn measured(case: &Case<'_>) -> Option<Measured> {
     let (follows, error) = driven.fit()?.coefficient(0);
     Some(Measured {
         slopes: [plain.fit()?.coefficient(0), wound.fit()?.coefficient(0)],
-        windup: windup_rad(model, follows.abs() + 2.0 * error),
+        windup: windup_rad(model, follows.abs() + POSSIBLE * error),
     })
 }
 
@@ -90,17 +92,18 @@ fn run(case: &Case<'_>) -> Vec<Finding> {
     let share = 100.0 * (nominal * slope - 1.0);
     if beyond[0] * beyond[1] > 0.0 && known && apart < 0.5 * (slope - 1.0 / nominal).abs() {
         let (what, help) = mistake(model, slope * nominal, &measured);
-        let wound = (slope - 1.0 / nominal).abs() < windup;
-        let severity = if wound { Severity::Warning } else { Severity::Error };
         let message = format!(
             "output_angle_rad and motor_angle_rad make a gear ratio of {measured}, the model's is {}{what}",
             figure(nominal, 0.0)
         );
-        let message = match wound {
-            true => format!("{message}; a load that follows the angle may wind the gear by that"),
-            false => message,
-        };
-        return vec![Finding::new(severity, message).help(help)];
+        let winds = (slope - 1.0 / nominal).abs() < windup;
+        return vec![match winds {
+            true => {
+                Finding::warning(format!("{message}; a load that follows the angle may do that"))
+                    .help(format!("if nothing holds the output, {help}"))
+            }
+            false => Finding::error(message).help(help),
+        }];
     }
     let severity = Severity::Note;
     if !known {

@@ -131,4 +131,13 @@ fn a_late_current_is_what_flowed_that_long_before() {
     assert!((10..at_once.len()).all(|k| near(whole[k], at_once[k - 2], 1e-4)));
     // Half a sample is five time constants, behind which the winding is where the sample's end finds it.
     assert!((10..at_once.len()).all(|k| near(part[k], at_once[k - 2], 0.02)));
+    // Where it changes most that is far from the middle between both samples.
+    let step = |k: &usize| (at_once[k - 2] - at_once[k - 3]).abs();
+    let k = (10..at_once.len()).max_by(|a, b| step(a).total_cmp(&step(b))).unwrap();
+    let middle = 0.5 * (at_once[k - 2] + at_once[k - 3]);
+    assert!(
+        (part[k] - at_once[k - 2]).abs() < 0.5 * (part[k] - middle).abs(),
+        "{} {middle}",
+        part[k]
+    );
 }
