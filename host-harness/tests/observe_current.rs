@@ -179,3 +179,27 @@ fn a_voltage_that_is_mostly_missing_gives_way_to_the_current() {
     log.voltage_v = Some(vec![0.0; SAMPLES]);
     assert_eq!(Samples::of(&log).kind, Drive::Voltage);
 }
+
+/// Angles that stay the same are a rest there, and no sample that came twice: the current beside them changes.
+#[test]
+fn a_shaft_that_is_held_is_seen_at_rest_whatever_the_current() {
+    let (_, mut log) = recorded(true);
+    let drive = 0.3 * rating().drive;
+    let scatter = |k: usize| 1.0 + 1e-3 * ((7919 * k) % 13) as f64;
+    let pushed = |k: usize| if k < 1000 { 0.0 } else { drive * scatter(k) };
+    log.current_a = Some((0..SAMPLES).map(pushed).collect());
+    log.motor_angle_rad.fill(0.3);
+    log.output_angle_rad.iter_mut().for_each(|angle| angle.fill(0.3 / 1024.0));
+    for scalar in [ScalarKind::F32, ScalarKind::Fixed] {
+        let found = found(&log, scalar);
+        bounded("held", &found);
+        for (k, f) in found.iter().enumerate().skip(START) {
+            let off = (f.output_angle - 0.3 / 1024.0).abs();
+            let speed = f.estimate.motor_velocity;
+            assert!(off < 0.01, "{scalar:?} at {k}: output {off} rad off");
+            assert!(!f.estimate.status.has(Status::REPEATED), "{scalar:?} at {k}, {speed} rad/s");
+        }
+        let speed = rms(found.iter().skip(2000).map(|f| f.estimate.motor_velocity));
+        println!("{scalar:?}, held: {speed} rad/s");
+    }
+}

@@ -49,7 +49,7 @@ impl<S: Real, const N: usize, E: Effects<S>> Observer<S, N, E> {
             let deviation = ahead.times(by_motor.per_sigma);
             // Four standard deviations.
             let near = deviation.abs() <= S::HALF.eighth();
-            if !near && repeats(sample, &track.last) {
+            if !near && repeats(sample, &track.last, self.joint.current_imposed) {
                 track.missing.motor = track.missing.motor.saturating_add(1);
                 return None;
             }
@@ -155,10 +155,15 @@ impl Missing {
     }
 }
 
-/// Whether a sample shows the very same measurements as the one before.
-#[inline(always)]
-fn repeats<S: Real>(sample: &Sample<S>, last: &Sample<S>) -> bool {
-    sample.motor == last.motor && sample.output == last.output && sample.current == last.current
+/// Whether a sample shows the very same measurements as the one before. Where the drive is the current, that is
+/// one of them: angles alone are the same at every rest.
+#[cold]
+#[inline(never)]
+fn repeats<S: Real>(sample: &Sample<S>, last: &Sample<S>, imposed: bool) -> bool {
+    sample.motor == last.motor
+        && sample.output == last.output
+        && sample.current == last.current
+        && (!imposed || sample.drive == last.drive)
 }
 
 /// By how much the measured rotor angle is ahead of the estimated one, in turns.
