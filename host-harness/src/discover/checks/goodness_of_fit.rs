@@ -74,7 +74,7 @@ impl Remainder {
             torque: fit.noise.torque / expected.torque,
             output: fit.noise.output_times(expected),
             disturbed: fit.noise.coloured[Disturbed::Rotor as usize].deviation / expected.torque,
-            multimodal: fit.model.stages.len() >= MULTIMODAL,
+            multimodal: is_multimodal(fit.model.stages.len()),
             ..Self::default()
         };
         let gains = problem.design(&fit.model, &fit.noise)?.gains;
@@ -198,6 +198,11 @@ pub fn rms(rows: &[[f64; CHANNELS]], mask: &[f64], channel: Option<usize>) -> f6
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
+/// Whether a chain of so many stages has a likelihood of several maxima.
+fn is_multimodal(stages: usize) -> bool {
+    stages >= MULTIMODAL
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -310,6 +315,11 @@ mod tests {
             Colour { deviation: 3.0 * own.torque, correlation_s: 0.1 };
         expected.torque = own.torque;
         assert!((told(&coloured, &expected).disturbed - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_chain_of_two_stages_and_more_is_multimodal() {
+        assert_eq!([0, 1, 2, 3].map(is_multimodal), [false, false, true, true]);
     }
 
     #[test]

@@ -6,6 +6,10 @@
 
 use std::ops::Range;
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::discover::bounds::BY_CHANCE;
+
 /// Most blocks: more add no precision to a standard error.
 const MOST: usize = 60;
 /// Correlation times in a block.
@@ -109,6 +113,18 @@ pub(super) fn ratio(part: &[f64], whole: &[f64]) -> Share {
         let whole = sum(whole);
         if whole > 0.0 { sum(part) / whole } else { 0.0 }
     })
+}
+
+/// A block and those beside it, of so many: what it is not asked of.
+pub(super) fn neighbours(block: usize, count: usize) -> Range<usize> {
+    block.saturating_sub(1)..(block + 2).min(count)
+}
+
+/// Standard errors that the best of so many shares, each over so many blocks, exceeds by chance in [`BY_CHANCE`] of
+/// all cases at most (Bonferroni, of Student's t); endless for less than two blocks.
+pub(super) fn beyond_chance(tests: usize, blocks: usize) -> f64 {
+    let scatter = StudentsT::new(0.0, 1.0, blocks.saturating_sub(1) as f64);
+    scatter.map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - BY_CHANCE / tests.max(1) as f64))
 }
 
 /// A statistic of blocks and its delete-one standard error.
@@ -245,5 +261,23 @@ mod tests {
         assert_eq!(ratio(&[1.0], &[2.0]), Share { value: 0.5, error: f64::INFINITY });
         assert_eq!(ratio(&[1.0, 0.0], &[2.0; 2]), Share { value: 0.25, error: 0.25 });
         assert_eq!(ratio(&[1.0; 2], &[0.0; 2]), Share::default());
+    }
+    #[test]
+    fn a_block_is_not_asked_of_itself_nor_of_those_beside_it() {
+        assert_eq!([0, 2, 4].map(|block| neighbours(block, 5)), [0..2, 1..4, 3..5]);
+        assert_eq!(neighbours(0, 1), 0..1);
+    }
+
+    #[test]
+    fn chance_reaches_students_quantile_of_as_many_tests() {
+        // Twenty degrees of freedom, 0.95 and 0.995; one degree, 0.95.
+        let told = [beyond_chance(1, 21), beyond_chance(10, 21), beyond_chance(1, 2)];
+        let table = [1.724_718, 2.845_340, 6.313_752];
+        assert!(
+            told.iter().zip(table).all(|(told, wanted)| (told - wanted).abs() < 1e-5),
+            "{told:?}"
+        );
+        assert_eq!(beyond_chance(0, 21), told[0]);
+        assert_eq!([beyond_chance(1, 1), beyond_chance(1, 0)], [f64::INFINITY; 2]);
     }
 }

@@ -8,13 +8,12 @@
 //! the motion is, so it is what a curve leaves that says how long a block must be.
 
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::blocks::{Blocks, Share, correlation_time, ratio};
+use super::blocks::{Blocks, Share, beyond_chance, correlation_time, neighbours, ratio};
 use super::family::{Equations, Family};
 use super::hats::Grid;
 use super::linear::Linear;
-use crate::discover::bounds::{APART, BY_CHANCE};
+use crate::discover::bounds::APART;
 
 /// Knots over a coordinate, coarse to fine: a line, a trend, a course, a curve, a line spectrum, one of high orders.
 const KNOTS: [usize; 6] = [2, 4, 12, 48, 192, 768];
@@ -105,14 +104,17 @@ impl Asked<'_> {
         let Self { series, tests, samples } = *self;
         let correlation = correlation_time(&left(series, family));
         let every = vec![true; series.len()];
-        let blocks = Blocks::over(&every, (APART * correlation).ceil() as usize);
+        let blocks = blocks(&every, correlation);
         // All samples say whether there is a law; those that no fit has seen, how much it is.
         let sure = left_out(series, family, &blocks, correlation, &every);
-        let scatter = StudentsT::new(0.0, 1.0, blocks.ranges().len() as f64 - 1.0).ok()?;
-        let least = scatter.inverse_cdf(1.0 - BY_CHANCE / tests as f64);
-        (sure.value > least * sure.error)
+        (sure.value > beyond_chance(tests, blocks.ranges().len()) * sure.error)
             .then(|| left_out(series, family, &blocks, correlation, samples))
     }
+}
+
+/// Blocks of what a curve leaves with this correlation time, in samples.
+fn blocks(every: &[bool], correlation: f64) -> Blocks {
+    Blocks::over(every, (APART * correlation).ceil() as usize)
 }
 
 /// What a curve leaves of a series that it is fitted to.
@@ -150,8 +152,7 @@ fn left_out<F: Family>(
             continue;
         }
         let mut others = all.clone();
-        let near = b.saturating_sub(1)..(b + 2).min(own.len());
-        own[near].iter().for_each(|near| others.plus(near, -1.0));
+        own[neighbours(b, own.len())].iter().for_each(|near| others.plus(near, -1.0));
         let curve = others.solved(correlation);
         let (mut before, mut after) = (0.0, 0.0);
         for k in seen {
@@ -287,6 +288,12 @@ mod tests {
         let left = left(&series, &grid);
         // A ridge of one sample beside some three hundred of each knot.
         assert!(left.len() == 1000 && left.iter().all(|left| left.abs() < 1.0), "{left:?}");
+    }
+
+    #[test]
+    fn a_block_lasts_three_correlation_times_where_a_sixtieth_is_shorter() {
+        let lasts = |correlation: f64| blocks(&[true; 600], correlation).ranges()[0].len();
+        assert_eq!([lasts(1.0), lasts(20.0), lasts(19.9)], [10, 60, 60]);
     }
 
     #[test]

@@ -12,10 +12,8 @@ use joint_core::effect::{EffectParameters, Kind, MAX_KNOTS};
 use joint_core::params::Location;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, Normal as Gaussian};
 
-use super::blocks::{Blocks, Share, correlation_time, ratio};
-use crate::discover::bounds::BY_CHANCE;
+use super::blocks::{Blocks, Share, beyond_chance, correlation_time, neighbours, ratio};
 
 /// Knots of a curve, coarse to fine.
 const KNOTS: [usize; 4] = [8, 16, 32, MAX_KNOTS];
@@ -67,8 +65,7 @@ impl Shape {
 pub(super) fn fitted_maps(of: &Unexplained<'_>, place: Location) -> Vec<EffectParameters> {
     let Some(rows) = Rows::of(of) else { return Vec::new() };
     let shapes = rows.shapes();
-    let tests = shapes.len().max(1) as f64;
-    let least = Gaussian::standard().inverse_cdf(1.0 - BY_CHANCE / tests);
+    let least = beyond_chance(shapes.len(), rows.blocks.ranges().len());
     let tried = shapes.into_par_iter().filter_map(|shape| {
         let design = rows.design(shape);
         let (smoothing, share) = design.best_smoothing();
@@ -254,7 +251,7 @@ impl Design<'_> {
             let (mut gained, mut whole) = (Vec::new(), Vec::new());
             for (b, range) in self.blocks.iter().enumerate() {
                 let (mut gram, mut right) = (&all.0 + &penalty, all.1.clone());
-                for (g, r) in &own[b.saturating_sub(1)..(b + 2).min(own.len())] {
+                for (g, r) in &own[neighbours(b, own.len())] {
                     gram -= g;
                     right -= r;
                 }

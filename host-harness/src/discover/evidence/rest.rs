@@ -77,12 +77,16 @@ pub(crate) fn mapped(
         Ok((free_run, Rest { stage: Stage { fit, origin }, unseen, share }))
     });
     let tried: Vec<Result<_, BuildError>> = tried.collect();
-    let holds = |(free_run, rest): &(f64, Rest)| {
-        rest.unseen.t > SIGMAS && rest.share.value > SIGMAS * rest.share.error && *free_run < 1.0
-    };
     // A joint that has no room for a table is left as it is.
-    let held = tried.into_iter().flatten().filter(holds);
+    let held = tried.into_iter().flatten();
+    let held = held.filter(|(free_run, rest)| holds(rest.unseen.t, rest.share, *free_run));
     Ok(held.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, rest)| rest))
+}
+
+/// Whether a map stays: unseen samples are the likelier for it, it takes a share of what is missing there, and what
+/// a free run is off by becomes that much of itself.
+fn holds(unseen_t: f64, share: Share, free_run: f64) -> bool {
+    unseen_t > SIGMAS && share.value > SIGMAS * share.error && free_run < 1.0
 }
 
 /// A map whose knots are its torques themselves.
@@ -179,6 +183,16 @@ mod tests {
             "{:?}",
             rest.share
         );
+    }
+
+    #[test]
+    fn a_map_stays_only_where_likelihood_share_and_free_run_all_say_so() {
+        let share = |errors: f64| Share { value: 0.01 * errors, error: 0.01 };
+        let [little, enough] = [0.9 * SIGMAS, 1.1 * SIGMAS];
+        assert!(holds(enough, share(enough), 0.99));
+        assert!(!holds(little, share(enough), 0.99));
+        assert!(!holds(enough, share(little), 0.99));
+        assert!(!holds(enough, share(enough), 1.01));
     }
 
     #[test]
