@@ -10,7 +10,7 @@ use statrs::distribution::{ContinuousCDF, Normal as Gaussian};
 
 use super::findings::Rival;
 use crate::discover::bounds::{SEPARATION, SIGMAS, UNLISTED};
-use crate::discover::state::rounds::Round;
+use crate::discover::state::rounds::{Contender, Name, Round};
 
 /// Most odds that are told.
 const MOST: f64 = 1e3;
@@ -49,14 +49,19 @@ impl Left {
 /// How sure a name is, and the others that were refitted: its likelihood against theirs and against
 /// that of something unlisted, which is told by what is `left`; less where another draw of the log would
 /// have had another winner. `other` is what something unlisted explains in the name's place, where that was
-/// tried.
-pub(crate) fn confidence(round: &Round, left: Left, other: Option<f64>) -> (f64, Vec<Rival>) {
+/// tried. One of the names `found` is no rival of another: both are needed.
+pub(crate) fn confidence(
+    round: &Round,
+    found: &[Name],
+    left: Left,
+    other: Option<f64>,
+) -> (f64, Vec<Rival>) {
     let odds = |gain: f64| (-(round.gain - gain).max(0.0) / (2.0 * SEPARATION)).exp();
     let unlisted = left.odds().max(odds(other.unwrap_or(0.0)));
-    let total = 1.0 + unlisted + round.rivals.iter().map(|rival| odds(rival.gain)).sum::<f64>();
-    let rivals = round
-        .rivals
-        .iter()
+    let rival = |rival: &&Contender| rival.name == round.name || !found.contains(&rival.name);
+    let rivals = || round.rivals.iter().filter(rival);
+    let total = 1.0 + unlisted + rivals().map(|rival| odds(rival.gain)).sum::<f64>();
+    let rivals = rivals()
         .map(|rival| Rival {
             kind: rival.name.0.spec().kind.to_owned(),
             location: rival.name.1.to_string(),
@@ -73,7 +78,6 @@ mod tests {
     use joint_core::params::Location;
 
     use super::*;
-    use crate::discover::state::rounds::Contender;
 
     fn of(gain: f64, rival: Option<f64>, stays_ahead: f64, clean: bool) -> f64 {
         beside(gain, rival, stays_ahead, clean, None)
@@ -89,7 +93,13 @@ mod tests {
         let name = (Kind::Cogging, Location::Motor);
         let rivals = rival.map(|gain| Contender { name, gain }).into_iter().collect();
         let left = if clean { Left::Noise } else { Left::More(1.0) };
-        confidence(&Round { name, gain, rivals, runner_up: None, stays_ahead }, left, other).0
+        confidence(
+            &Round { name, gain, rivals, runner_up: None, stays_ahead },
+            &[name],
+            left,
+            other,
+        )
+        .0
     }
 
     #[test]
@@ -107,7 +117,7 @@ mod tests {
             let name = (Kind::Cogging, Location::Motor);
             let round =
                 Round { name, gain: 5000.0, rivals: Vec::new(), runner_up: None, stays_ahead: 1.0 };
-            confidence(&round, Left::more(unnamed, share, t, 30), None).0
+            confidence(&round, &[name], Left::more(unnamed, share, t, 30), None).0
         };
         // A large name beside a small remainder, one as large as what is left, and one that may be none.
         assert!(of(0.05, [0.81, 0.03], 8.0) > 0.9);
@@ -117,6 +127,17 @@ mod tests {
         assert!((0.4..0.6).contains(&of(0.0, [0.3, 0.01], 2.0)));
         assert!(of(0.0, [0.3, 0.01], 5.0) > 0.97);
         assert_eq!(Left::more(0.0, [f64::NAN, 0.0], 5.0, 30), Left::More(1.0));
+    }
+
+    #[test]
+    fn a_name_that_was_found_beside_it_is_no_rival() {
+        let [name, beside] = [(Kind::Cogging, Location::Motor), (Kind::Coating, Location::Output)];
+        let rivals = vec![Contender { name: beside, gain: 5000.0 }];
+        let round = Round { name, gain: 5000.0, rivals, runner_up: None, stays_ahead: 1.0 };
+        let of = |found: &[Name]| confidence(&round, found, Left::Noise, None);
+        let [alone, both] = [of(&[name]), of(&[name, beside])];
+        assert!((alone.0 - 0.495).abs() < 1e-3 && alone.1.len() == 1);
+        assert!((both.0 - 0.98).abs() < 1e-3 && both.1.is_empty());
     }
 
     #[test]

@@ -27,6 +27,7 @@ pub(crate) fn named(
 ) -> Vec<Named> {
     let first = found.scores.iter().filter(|row| row.round == 1);
     let tried = first.count();
+    let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
     // What is more than a disturbance may be has a cause of its own, whether it is predicted or not, of which an effect
     // may be a part; but for one that other records bear out.
     let cause = |budget: &Budget, unseen: &Witnessed| {
@@ -46,7 +47,7 @@ pub(crate) fn named(
                 true => Left::Noise,
                 false => Left::more(unnamed, [share.value, share.error], unseen.t(), tried),
             };
-            let (confidence, rivals) = confidence(round, left, other);
+            let (confidence, rivals) = confidence(round, &names, left, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
             Named {
                 kind: effect.kind.spec().kind.to_owned(),
