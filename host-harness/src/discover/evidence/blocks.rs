@@ -262,6 +262,7 @@ mod tests {
         assert_eq!(ratio(&[1.0, 0.0], &[2.0; 2]), Share { value: 0.25, error: 0.25 });
         assert_eq!(ratio(&[1.0; 2], &[0.0; 2]), Share::default());
     }
+
     #[test]
     fn a_block_is_not_asked_of_itself_nor_of_those_beside_it() {
         assert_eq!([0, 2, 4].map(|block| neighbours(block, 5)), [0..2, 1..4, 3..5]);

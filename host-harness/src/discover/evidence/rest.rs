@@ -83,8 +83,8 @@ pub(crate) fn mapped(
     Ok(held.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, rest)| rest))
 }
 
-/// Whether a map stays: unseen samples are the likelier for it, it takes a share of what is missing there, and what
-/// a free run is off by becomes that much of itself.
+/// Whether a map stays: unseen samples are the likelier for it by this t, it takes a share of what is missing there, and
+/// a free run is off by this factor of what it was.
 fn holds(unseen_t: f64, share: Share, free_run: f64) -> bool {
     unseen_t > SIGMAS && share.value > SIGMAS * share.error && free_run < 1.0
 }
