@@ -218,3 +218,17 @@ pub(super) fn bounded<S: Real>(value: &mut S, most: S, status: Status) -> Status
         status
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_the_drive_is_the_current_angles_alone_are_no_repeated_sample() {
+        let last = Sample { drive: 0.5, motor: Some(Turn(7)), ..Sample::default() };
+        let pushed = Sample { drive: 0.6, ..last };
+        let moved = Sample { motor: Some(Turn(8)), ..last };
+        let told = |imposed| [last, pushed, moved].map(|own| repeats::<f64>(&own, &last, imposed));
+        assert_eq!([told(true), told(false)], [[true, false, false], [true, true, false]]);
+    }
+}
