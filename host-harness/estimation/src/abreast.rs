@@ -126,7 +126,8 @@ impl Work for Together<'_, '_> {
         let own = first.layout.len();
         let common = designed.min(own);
         let order = own + gains.walks.len();
-        let plain = observers.iter().all(|own| !own.sensor_errors);
+        let before = gains.walks.iter().position(|walk| walk.equation == Equation::CurrentBefore);
+        let plain = before.is_none() && observers.iter().all(|own| !own.sensor_errors);
         let shafts = Lanes(std::array::from_fn(|lane| of_lane(lane).shaft));
         let late: [Lanes; CHANNELS] =
             std::array::from_fn(|c| Lanes(std::array::from_fn(|lane| of_lane(lane).late.by[c])));
@@ -144,7 +145,7 @@ impl Work for Together<'_, '_> {
             if first.record.starts.contains(&k) {
                 for lane in 0..LANES {
                     let before = |state: usize| Some(x[state].0[lane]);
-                    let start = of_lane(lane).start(k, order, before);
+                    let start = of_lane(lane).start(k, &gains.walks, before);
                     x.iter_mut().zip(start).for_each(|(x, value)| x.0[lane] = value);
                 }
             }
@@ -186,6 +187,11 @@ impl Work for Together<'_, '_> {
             for (walk, push) in gains.walks.iter().zip(&x[own..]) {
                 if walk.equation == Equation::Voltage {
                     drives = drives.map(|drive| drive + *push);
+                }
+            }
+            if let Some(j) = before {
+                for lane in 0..LANES {
+                    x[own + j].0[lane] = of_lane(lane).reported(|state| x[state].0[lane]);
                 }
             }
             joints.propagate(k, &mut x[..own], drives, first.record.load_nm[k]);

@@ -52,11 +52,20 @@ impl Observer<'_> {
                     }
                 }
                 for (j, walk) in gains.walks.iter().enumerate() {
+                    if walk.equation == Equation::CurrentBefore {
+                        now[n + j] = 0.0;
+                        row.fill(0.0);
+                        self.reported_by(&mut row);
+                        for (now, row) in now.iter_mut().zip(&row) {
+                            *now += row * later[n + j];
+                        }
+                        continue;
+                    }
                     now[n + j] *= walk.kept(self.record.grid.interval(k));
                     now[n + j] += match walk.equation {
                         Equation::Voltage => pull.drive[k],
                         Equation::Torque(mass) => pull.torque[mass][k],
-                        Equation::Sensor(_) => 0.0,
+                        Equation::Sensor(_) | Equation::CurrentBefore => 0.0,
                     };
                 }
                 later.copy_from_slice(&now);

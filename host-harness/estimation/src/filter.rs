@@ -69,7 +69,7 @@ impl Observer<'_> {
                 continue;
             }
             if self.record.starts.contains(&k) {
-                x = self.start(k, own + gains.walks.len(), |state| x.get(state).copied());
+                x = self.start(k, &gains.walks, |state| x.get(state).copied());
             }
             for channel in Channel::ALL {
                 let c = channel as usize;

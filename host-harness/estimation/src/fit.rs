@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use super::coordinates::Coordinate;
 use super::filter::{Equation, Gains, Linearisation, Noise, Observer, Walk};
 use super::keep::Likelihood;
+use super::late::is_between_samples;
 use super::pass::Pass;
 use super::record::{CHANNELS, Channel, Record};
 use super::scoring::{Scoring, Source};
@@ -166,11 +167,11 @@ impl<'a> Problem<'a> {
         Self { push: Some(push), ..self }
     }
 
-    /// What a filter of this problem carries beside the states of a joint of that many stages at a noise, the
-    /// push last.
-    pub fn walks(&self, noise: &Noise, stages: usize) -> Vec<Walk> {
+    /// What a filter of this problem carries beside a joint's states at a noise, the push last.
+    pub fn walks(&self, noise: &Noise, model: &Model) -> Vec<Walk> {
         let standing = standing_walks(self.record).into_iter();
-        standing.chain(noise.walks(stages)).chain(self.push).collect()
+        let before = is_between_samples(model, self.record).then_some(Walk::CURRENT_BEFORE);
+        standing.chain(before).chain(noise.walks(model.stages.len())).chain(self.push).collect()
     }
 
     /// A plant observed as far as samples are fitted to.
@@ -201,8 +202,7 @@ impl<'a> Problem<'a> {
     ) -> Result<Design, BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = self.observer(model, &*plant);
-        let (gains, run) =
-            observer.designed(along, noise, &self.walks(noise, model.stages.len()), false);
+        let (gains, run) = observer.designed(along, noise, &self.walks(noise, model), false);
         let deviance = self.sum_of_squares(&run.innovations) + gains.log_variance(self.mask);
         Ok(Design { gains, innovations: run.innovations, deviance })
     }
@@ -220,12 +220,7 @@ impl<'a> Problem<'a> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = self.observer(model, &*plant);
         let mut likelihood = Likelihood::over(self.mask);
-        observer.run(
-            &mut Cow::Borrowed(along),
-            noise,
-            &self.walks(noise, model.stages.len()),
-            &mut likelihood,
-        );
+        observer.run(&mut Cow::Borrowed(along), noise, &self.walks(noise, model), &mut likelihood);
         Ok(likelihood.deviance())
     }
 
@@ -243,7 +238,7 @@ impl<'a> Problem<'a> {
     ) -> Result<(f64, DVector<f64>, DMatrix<f64>), BuildError> {
         let plant = plant(model, &self.record.grid, self.record.drive)?;
         let observer = self.observer(model, &*plant);
-        let walks = self.walks(noise, model.stages.len());
+        let walks = self.walks(noise, model);
         let order = (observer.layout.len(), &walks[..]);
         let mut scoring = Scoring::over(self.mask, noise, sources, order);
         scoring.follow(Pass::new(&observer, along, noise, &walks));

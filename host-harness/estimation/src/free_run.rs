@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::filter::{Noise, Observer};
-use super::fit::standing_walks;
+use super::fit::Problem;
 use super::record::{CHANNELS, Channel, Record};
 use joint_simulation::model::Model;
 use joint_simulation::plant::{BuildError, plant};
@@ -45,7 +45,7 @@ pub fn errors(
 ) -> Result<[Option<f64>; CHANNELS], BuildError> {
     let plant = plant(model, &record.grid, record.drive)?;
     let observer = Observer::new(model, &*plant, record);
-    let walks = standing_walks(record);
+    let walks = Problem::new(record, &[]).walks(&noise.uncoloured(), model);
     let (_, run) = observer.design(noise, &walks);
     let (mut sums, mut counts) = ([0.0; CHANNELS], [0.0; CHANNELS]);
     for stretch in stretches {

@@ -13,12 +13,15 @@ pub enum Equation {
     Torque(usize),
     /// What a sensor shows beside the truth.
     Sensor(Channel),
+    /// What the current's sensor showed a sample ago, A: between that and what it shows now is a current that is late by
+    /// parts of a sample.
+    CurrentBefore,
 }
 
 impl Equation {
     /// Whether it says what a sensor shows, not what the joint does.
     pub fn is_of_a_sensor(self) -> bool {
-        matches!(self, Self::Sensor(_))
+        matches!(self, Self::Sensor(_) | Self::CurrentBefore)
     }
 }
 
@@ -36,6 +39,14 @@ pub struct Walk {
 }
 
 impl Walk {
+    /// What the current's sensor showed a sample ago.
+    pub const CURRENT_BEFORE: Self = Self {
+        equation: Equation::CurrentBefore,
+        initial: 0.0,
+        rate: 0.0,
+        correlation_s: f64::INFINITY,
+    };
+
     /// A random walk; of no rate a constant.
     pub fn random(equation: Equation, initial: f64, rate: f64) -> Self {
         Self { equation, initial, rate, correlation_s: f64::INFINITY }

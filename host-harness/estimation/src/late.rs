@@ -2,8 +2,9 @@
 //!
 //! A measurement that shows the past belongs to a past state. Shifted by whole samples it is taken
 //! there at once; what is left is less than half a sample, which the encoder's law covers with the
-//! speed. A current has no speed that is known so well: where a voltage drives the joint, states stand at the instants at
-//! which it flowed, and what is left of its delay is the voltage's, and the encoders' the other way round.
+//! speed. A current has no speed that is known so well: what is left of its delay is a share of the way from the sample
+//! before to this one, over which the drive holds its voltage, so that the filter keeps the sample before as a state
+//! ([`Equation::CurrentBefore`](crate::filter::Equation::CurrentBefore)).
 //!
 //! What acts on the joint is not always what its log says at that sample either ([`joint_simulation::acting`]).
 
@@ -14,9 +15,8 @@ use joint_core::joint::Drive;
 use joint_core::params::Location;
 
 use super::record::{CHANNELS, Channel, Record};
-use joint_simulation::acting::{
-    acts_late_s, current_left_s, filtered_s, switch, switched, unfiltered,
-};
+use joint_simulation::acting::{acts_late_s, filtered_s, switch, switched, unfiltered};
+use joint_simulation::encoders::current_reached;
 use joint_simulation::model::Model;
 
 /// A record's measurements by the sample at which they were true.
@@ -24,9 +24,11 @@ use joint_simulation::model::Model;
 pub struct Late<'a> {
     /// Measurements; NaN where the shift leaves none.
     pub measured: Cow<'a, [[f64; CHANNELS]]>,
-    /// Time by which a measurement is ahead of its sample's state, without the delay itself: what the shift
-    /// has undone, and what a state is before its sample, s.
+    /// Time by which an encoder's measurement is ahead of its sample's state, without the delay itself: what the shift
+    /// has undone, s.
     pub by: [f64; CHANNELS],
+    /// Share of the current of the sample before in what is shown of one that is late by parts of a sample.
+    pub before: f64,
     /// The same in samples.
     pub samples: [isize; CHANNELS],
     /// By sample: what acts over the interval after it, before and after the drive switches; empty where
@@ -40,26 +42,26 @@ impl<'a> Late<'a> {
         let mut late = Self {
             measured: Cow::Borrowed(&record.measured),
             by: [0.0; CHANNELS],
+            before: 0.0,
             samples: [0; CHANNELS],
             drives: drives(model, record),
         };
         let interval = record.grid.typical_interval();
-        // A current that is the input is late by what acts.
-        let current = match record.drive {
-            Drive::Voltage => model.sensor.current_delay_s,
-            Drive::Current => 0.0,
-        };
-        let left = current_left_s(model, &record.grid);
+        let current = current_late_s(model, record);
+        let part = part_of_a_sample(current, interval);
+        if part > 0.0 {
+            late.before = 1.0 - current_reached(&model.motor, (1.0 - part) * interval, interval);
+        }
         for (channel, delay) in [
-            (Channel::Current, current - left),
-            (Channel::Motor, delay_s(&model.effects, Location::Encoder) - left),
-            (Channel::Output, delay_s(&model.effects, Location::OutputEncoder) - left),
+            (Channel::Current, current - part * interval),
+            (Channel::Motor, delay_s(&model.effects, Location::Encoder)),
+            (Channel::Output, delay_s(&model.effects, Location::OutputEncoder)),
         ] {
             let c = channel as usize;
             let samples = (delay / interval).round();
             let samples = if samples.abs() < record.len() as f64 { samples } else { 0.0 };
             if channel != Channel::Current {
-                late.by[c] += samples * interval + left;
+                late.by[c] = samples * interval;
             }
             if samples != 0.0 {
                 late.samples[c] = samples as isize;
@@ -76,6 +78,28 @@ impl Late<'_> {
     pub(super) fn drives(&self, record: &Record, k: usize) -> [f64; 2] {
         self.drives.get(k).copied().unwrap_or_else(|| [record.drive_values[k]; 2])
     }
+}
+
+/// How late a record shows the current beside the voltage that drives the joint, s; one that is the input is late by what
+/// acts.
+fn current_late_s(model: &Model, record: &Record) -> f64 {
+    match record.drive {
+        Drive::Voltage if record.has(Channel::Current) => model.sensor.current_delay_s,
+        _ => 0.0,
+    }
+}
+
+/// What a delay is beyond whole samples, as a share of one.
+fn part_of_a_sample(delay_s: f64, interval: f64) -> f64 {
+    let samples = delay_s / interval;
+    // What is less than a file's digits is rounding.
+    let part = samples - (samples + 1e-6).floor();
+    if part > 1e-6 { part } else { 0.0 }
+}
+
+/// Whether a record shows the current late by parts of a sample.
+pub fn is_between_samples(model: &Model, record: &Record) -> bool {
+    part_of_a_sample(current_late_s(model, record), record.grid.typical_interval()) > 0.0
 }
 
 /// What acts where that is not the record's own values; a joint's past ends where its log begins.

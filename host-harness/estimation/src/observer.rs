@@ -140,9 +140,10 @@ impl<'a> Observer<'a> {
     pub(super) fn start(
         &self,
         k: usize,
-        order: usize,
+        walks: &[Walk],
         before: impl Fn(usize) -> Option<f64>,
     ) -> Vec<f64> {
+        let order = self.layout.len() + walks.len();
         let mut x = vec![0.0; order];
         let motion = self.record.motions.iter().find(|motion| motion.sample == k);
         let speed =
@@ -173,6 +174,10 @@ impl<'a> Observer<'a> {
                 Channel::Output => -behind_s * speed * self.shaft / shown,
             };
             x[*memory] = if x[*memory].is_finite() { x[*memory] } else { 0.0 };
+        }
+        if let Some(place) = self.current_before(walks) {
+            let shown = self.late.measured[k][Channel::Current as usize];
+            x[place] = if shown.is_finite() { shown } else { 0.0 };
         }
         let angle = self.late.measured[k][Channel::Motor as usize];
         if angle.is_finite() {
@@ -215,7 +220,10 @@ impl<'a> Observer<'a> {
         let cut = self.record.cuts.contains(&k);
         let remembered = self.layout.memory(0)..n;
         let reported = self.lags[Channel::Current as usize].map(|lag| lag.memory);
-        let sigma = |state: usize| match scales.start_sigma.get(state) {
+        let shown = self.current_before(walks);
+        // What its sensor showed is known as the current is.
+        let alike = |state: usize| if shown == Some(state) { Layout::CURRENT } else { state };
+        let sigma = |state: usize| match scales.start_sigma.get(alike(state)) {
             Some(_) if reported == Some(state) => REMEMBERED,
             Some(_) if cut && remembered.contains(&state) => REMEMBERED,
             Some(sigma) if cut && state != Layout::ANGLE => UNKNOWN * sigma,
@@ -252,16 +260,53 @@ impl<'a> Observer<'a> {
         walks: &[Walk],
     ) -> f64 {
         let memory = if self.sensor_errors { self.memory(&x) } else { [0.0; MEMORIES] };
-        let [bias, there, speed] = self.seen(channel, x, walks, self.shaft);
+        let [bias, there, speed] = self.seen(channel, &x, walks, self.shaft);
         let caught_up = self.late.by[channel as usize] * speed;
         match channel {
+            Channel::Current => {
+                let now = self.reported(&x);
+                let before = self.current_before(walks).map_or(now, x);
+                bias + now + (before - now) * self.late.before
+            }
             _ if !self.sensor_errors => bias + there + caught_up,
-            Channel::Current => bias + self.plant.measured_current(there, &memory),
             Channel::Motor | Channel::Output => {
                 let output = channel == Channel::Output;
                 let error = self.plant.encoder_error(output, there, speed, &memory);
                 bias + there + error + caught_up
             }
+        }
+    }
+
+    /// What the current's sensor shows at once of a state by its numbers, A.
+    #[inline]
+    pub(super) fn reported(&self, x: impl Fn(usize) -> f64) -> f64 {
+        let current = x(Layout::CURRENT);
+        match self.sensor_errors {
+            true => self.plant.measured_current(current, &self.memory(x)),
+            false => current,
+        }
+    }
+
+    /// How that changes with each state.
+    pub(super) fn reported_by(&self, row: &mut [f64]) {
+        row[Layout::CURRENT] = 1.0;
+        if let Some(lag) = self.lags[Channel::Current as usize] {
+            row[Layout::CURRENT] = lag.at_once;
+            row[lag.memory] = lag.shown;
+        }
+    }
+
+    /// Where a state has what the current's sensor showed a sample ago.
+    #[inline]
+    fn current_before(&self, walks: &[Walk]) -> Option<usize> {
+        let own = walks.iter().position(|walk| walk.equation == Equation::CurrentBefore);
+        own.map(|own| self.layout.len() + own)
+    }
+
+    /// Keeps what the current's sensor shows, where the next sample asks for it.
+    pub(super) fn remember(&self, x: &mut [f64], walks: &[Walk]) {
+        if let Some(place) = self.current_before(walks) {
+            x[place] = self.reported(|state| x[state]);
         }
     }
 
@@ -293,7 +338,13 @@ impl<'a> Observer<'a> {
     pub(super) fn sensitivity(&self, channel: Channel, walks: &[Walk], row: &mut [f64]) {
         row.fill(0.0);
         match channel {
-            Channel::Current => row[Layout::CURRENT] = 1.0,
+            Channel::Current => {
+                self.reported_by(row);
+                if let Some(place) = self.current_before(walks) {
+                    row.iter_mut().for_each(|value| *value *= 1.0 - self.late.before);
+                    row[place] = self.late.before;
+                }
+            }
             Channel::Motor => {
                 row[Layout::ANGLE] = 1.0;
                 row[self.layout.speed(0)] = self.ahead[channel as usize];
@@ -307,10 +358,7 @@ impl<'a> Observer<'a> {
                 }
             }
         }
-        if let Some(lag) = self.lags[channel as usize] {
-            if channel == Channel::Current {
-                row[Layout::CURRENT] = lag.at_once;
-            }
+        if let Some(lag) = self.lags[channel as usize].filter(|_| channel != Channel::Current) {
             row[lag.memory] = lag.shown;
         }
         let n = self.layout.len();
@@ -324,6 +372,7 @@ impl<'a> Observer<'a> {
     /// One interval forward, with the walks' push.
     pub(super) fn advance(&self, k: usize, x: &mut [f64], walks: &[Walk]) {
         let drives = self.driven(k, x, walks);
+        self.remember(x, walks);
         let own = &mut x[..self.layout.len()];
         self.plant.propagate_switched(k, own, drives, self.record.load_nm[k]);
         self.kick(k, x, walks);

@@ -63,7 +63,6 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
     /// Runs over the next samples.
     pub(super) fn over(&mut self, samples: Range<usize>, keep: &mut impl Keep) {
         let observer = self.observer;
-        let order = observer.layout.len() + self.walks.len();
         for k in samples {
             if observer.is_idle(k) {
                 if self.linear.is_some() {
@@ -73,7 +72,7 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
                 continue;
             }
             if observer.record.starts.contains(&k) {
-                self.x = observer.start(k, order, |state| self.x.get(state).copied());
+                self.x = observer.start(k, self.walks, |state| self.x.get(state).copied());
                 self.p = observer.start_covariance(k, &self.scales, self.walks, &mut self.p);
                 keep.began();
             }
@@ -135,6 +134,7 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         scratch.steps.extend(steps.iter().zip(&x[..n]).map(|(step, x)| away(step, x)));
         scratch.steps.extend(steps.last());
         let inputs = (observer.driven(k, x, walks), observer.record.load_nm[k]);
+        observer.remember(x, walks);
         let Linearisation { transition, drive } = self.along.to_mut();
         linear.propagate(k, &mut x[..n], inputs, &scratch.steps, (transition, drive));
         observer.kick(k, x, walks);
@@ -172,6 +172,11 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
                         }
                     }
                     Equation::Sensor(_) => {}
+                    Equation::CurrentBefore => {
+                        let row = (n + j) * order;
+                        observer.reported_by(&mut f[row..row + n]);
+                        continue;
+                    }
                 }
                 f[(n + j) * order + n + j] = walk.kept(interval);
             }

@@ -132,8 +132,7 @@ impl Record {
             whole.temperature_c = joined(whole.temperature_c, part.temperature_c);
         }
         let log_of = |k: usize| firsts.partition_point(|first| *first <= k) as u32;
-        let at_currents = whole.grid.at_currents;
-        let grid = Grid::new(&whole.time_s, micro_steps).at_currents(at_currents);
+        let grid = Grid::new(&whole.time_s, micro_steps);
         whole.grid = grid.of_logs(log_of);
         whole.ask_encoders();
         Ok(whole)
@@ -166,8 +165,7 @@ impl Record {
                 [current, log.motor_angle_rad[k], at(&log.output_angle_rad, k)]
             })
             .collect();
-        let at_currents = drive == Drive::Voltage && log.current_a.is_some();
-        let grid = Grid::new(&log.time_s, micro_steps).at_currents(at_currents);
+        let grid = Grid::new(&log.time_s, micro_steps);
         let gap = GAP * grid.typical_interval();
         let gaps = (1..n).filter(|k| log.time_s[*k] - log.time_s[k - 1] > gap);
         let starts: Vec<usize> = std::iter::once(0).chain(gaps).collect();

@@ -17,9 +17,9 @@ use rayon::prelude::*;
 use super::coordinates::Coordinate;
 use super::filter::{Linearisation, Noise};
 use super::fit::{Fit, Known, Problem};
+use super::late::is_between_samples;
 use super::noise;
 use super::parameters::Quantity;
-use joint_simulation::acting::current_left_s;
 use joint_simulation::model::Model;
 use joint_simulation::plant::BuildError;
 
@@ -343,8 +343,7 @@ pub fn cost(fit: &Fit) -> f64 {
 pub fn coordinates(model: &Model, problem: &Problem<'_>) -> Vec<Coordinate> {
     let record = problem.record;
     let levels = Quantity::levels(model, record.logs());
-    let left = current_left_s(model, &record.grid) != 0.0;
-    let delay = left.then_some(Quantity::CurrentDelay);
+    let delay = is_between_samples(model, record).then_some(Quantity::CurrentDelay);
     let all = Quantity::of(model, record.drive).into_iter().chain(levels).chain(delay);
     all.map(Coordinate::Parameter).collect()
 }

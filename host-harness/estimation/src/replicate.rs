@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::abreast::{self, Rows};
 use super::filter::{Equation, Gains, Noise, Observer, Walk};
 use super::fit::Problem;
-use super::late::Late;
+use super::late::{Late, is_between_samples};
 use super::record::{Channel, Record};
 use joint_simulation::lanes::LANES;
 use joint_simulation::model::Model;
@@ -41,11 +41,13 @@ pub fn replicate(
     let mut state = Vec::new();
     let mut replicate = record.clone();
     let walks: Vec<Walk> = noise.walks(layout.stages).collect();
+    let before = is_between_samples(model, record).then_some(Walk::CURRENT_BEFORE);
+    let before = before.as_slice();
     let mut disturbances = vec![0.0; walks.len()];
     let count = Channel::ALL.map(|channel| 12.0_f64.sqrt() * noise.sensors[channel as usize]);
     for k in 0..record.len() {
         if record.starts.contains(&k) {
-            state = observer.start(k, layout.len(), |number| state.get(number).copied());
+            state = observer.start(k, before, |number| state.get(number).copied());
             for (value, walk) in disturbances.iter_mut().zip(&walks) {
                 *value = walk.initial * normal();
             }
@@ -57,7 +59,7 @@ pub fn replicate(
             let then = k.checked_add_signed(shifts[c]).filter(|then| *then < record.len());
             let Some(then) = then else { continue };
             if record.measured[then][c].is_finite() {
-                let shown = observer.shown(channel, &state, &[]);
+                let shown = observer.shown(channel, &state, before);
                 replicate.measured[then][c] = match channel {
                     Channel::Current => shown + noise.sensors[c] * normal(),
                     _ => {
@@ -75,7 +77,8 @@ pub fn replicate(
         let torques: Vec<f64> =
             (0..=layout.stages).map(|mass| of(Equation::Torque(mass))).collect();
         let drives = observer.late.drives(record, k).map(|drive| drive + more);
-        plant.propagate_switched(k, &mut state, drives, record.load_nm[k]);
+        observer.remember(&mut state, before);
+        plant.propagate_switched(k, &mut state[..layout.len()], drives, record.load_nm[k]);
         let interval = record.grid.interval(k);
         for (mass, torque) in torques.into_iter().enumerate().filter(|(_, torque)| *torque != 0.0) {
             observer.push(&mut state, mass, torque, interval);

@@ -204,8 +204,7 @@ mod tests {
         let noise = noise::expected(model, &record);
         let n = observer.layout.len();
         let mut along = Cow::Owned(Linearisation::default());
-        let (_, run) =
-            observer.design_along(&mut along, &noise, &problem.walks(&noise, model.stages.len()));
+        let (_, run) = observer.design_along(&mut along, &noise, &problem.walks(&noise, model));
         let likely = problem.deviance_along(&along, model, &noise).unwrap();
         let designed = problem.design_along(&mut along, model, &noise).unwrap().deviance;
         assert!((likely - designed).abs() < 1e-9 * designed.abs(), "{likely} {designed}");

@@ -42,17 +42,7 @@ pub fn filtered_s(model: &Model, drive: Drive) -> f64 {
 
 /// How long after the instant from which a joint is stepped along a grid its sample's input acts, s.
 pub fn acts_late_s(model: &Model, grid: &Grid, drive: Drive) -> f64 {
-    imposed_late_s(&model.effects, drive) - grid.lead_s + current_left_s(model, grid)
-}
-
-/// What is left beside whole samples of the delay with which a log shows the current, s, at most half a sample of either
-/// sign; zero where the joint is stepped from sample to sample.
-pub fn current_left_s(model: &Model, grid: &Grid) -> f64 {
-    let interval = grid.typical_interval();
-    let samples = model.sensor.current_delay_s / interval;
-    let left = samples - samples.round();
-    // What is less than a file's digits is rounding.
-    if grid.at_currents && left.abs() > 1e-6 { left * interval } else { 0.0 }
+    imposed_late_s(&model.effects, drive) - grid.lead_s
 }
 
 /// How long after it is imposed an input acts, s; a current whose report is ahead of its filter acts as much

@@ -80,13 +80,16 @@ pub fn late(values: &[f64], time_s: &[f64], delay: f64) -> Vec<f64> {
 /// The motor's current as late as a model's sensor reports it: between two samples, over which a drive holds its
 /// voltage, the winding goes from the one to the other exponentially.
 pub fn late_current(model: &Model, values: &[f64], time_s: &[f64]) -> Vec<f64> {
-    let Motor { phase_inductance_h, phase_resistance_ohm, .. } = model.motor;
-    let constant_s = phase_inductance_h / phase_resistance_ohm;
-    let reached = |since: f64, interval: f64| {
-        let share = (-since / constant_s).exp_m1() / (-interval / constant_s).exp_m1();
-        if share.is_finite() { share } else { since / interval }
-    };
+    let reached = |since: f64, interval: f64| current_reached(&model.motor, since, interval);
     late_by(values, time_s, model.sensor.current_delay_s, reached)
+}
+
+/// Share of its way to the end of an interval that a winding's current has gone in so long, s, under a voltage and a
+/// back-EMF that are held: `(1 − exp(−t R/L))/(1 − exp(−h R/L))`.
+pub fn current_reached(motor: &Motor, since: f64, interval: f64) -> f64 {
+    let constant_s = motor.phase_inductance_h / motor.phase_resistance_ohm;
+    let share = (-since / constant_s).exp_m1() / (-interval / constant_s).exp_m1();
+    if share.is_finite() { share } else { since / interval }
 }
 
 /// The same where a series has gone a share of its way to the next value by then.

@@ -27,9 +27,6 @@ pub struct Grid {
     /// How long before its sample a drive value begins to act, s: half an interval where it is a measured
     /// current, zero where it was imposed.
     pub lead_s: f64,
-    /// Whether the joint is stepped between the instants at which a current flowed that its log shows late, not between
-    /// those of the samples: what is left of that delay beside whole samples is then an input that acts later.
-    pub at_currents: bool,
     /// Median interval, s.
     typical: f64,
 }
@@ -66,15 +63,14 @@ impl Grid {
             micro_steps,
             method: None,
             lead_s: 0.0,
-            at_currents: false,
             typical,
         }
     }
 
     /// Of other sample times, with steps as here.
     pub fn over(&self, time_s: &[f64]) -> Self {
-        let Self { method, lead_s, at_currents, micro_steps, .. } = *self;
-        Self { method, lead_s, at_currents, ..Self::new(time_s, micro_steps) }
+        let Self { method, lead_s, micro_steps, .. } = *self;
+        Self { method, lead_s, ..Self::new(time_s, micro_steps) }
     }
 
     /// The same of several logs: by sample, which it is of.
@@ -111,11 +107,6 @@ impl Grid {
     /// The same of a log whose drive values act this long before their samples, s.
     pub fn leading(self, lead_s: f64) -> Self {
         Self { lead_s, ..self }
-    }
-
-    /// The same, stepped between the instants at which a current flowed that its log shows late.
-    pub fn at_currents(self, at_currents: bool) -> Self {
-        Self { at_currents, ..self }
     }
 
     /// The same with so many micro-steps in a typical interval.

@@ -9,7 +9,6 @@ use super::Scene;
 use super::card::{Axis, Bench, Benchmark, EffectCard, Residual};
 use super::hypothesis::{Free, Hypothesis};
 use super::rules::Rules;
-use super::sensor_lag::is_of_the_current;
 use crate::estimate::record::{Channel, Record};
 use crate::model::Model;
 
@@ -46,12 +45,9 @@ pub(crate) fn late(samples: f64, interval: f64) -> Hypothesis {
     }
 }
 
-/// A drive that acts before it is asked; or, beside a current that is shown late by parts of a sample, one that is late by
-/// less than a sample: a lag stands for that part, and is none.
-fn impossible(effect: &EffectParameters, model: &Model, record: &Record) -> bool {
-    let delay_s = effect.values[0];
-    let part = model.sensor.current_delay_s > 0.0 && model.effects.iter().any(is_of_the_current);
-    delay_s < 0.0 || part && delay_s < record.grid.typical_interval()
+/// A drive that acts before it is asked.
+fn impossible(effect: &EffectParameters, _: &Model, _: &Record) -> bool {
+    effect.values[0] < 0.0
 }
 
 fn hidden(joint: &mut Bench<'_>) -> Option<EffectParameters> {

@@ -92,6 +92,7 @@ fn most_scatter(equation: Equation, expected: &Noise) -> f64 {
         Equation::Voltage => DRIVE_RATIO * expected.drive,
         Equation::Torque(_) => TORQUE_RATIO * expected.torque,
         Equation::Sensor(channel) => LOST * expected.sensors[channel as usize],
+        Equation::CurrentBefore => LOST * expected.sensors[Channel::Current as usize],
     }
 }
 
@@ -265,6 +266,7 @@ fn drive(record: &Record, model: &Model, walk: Walk, tested: &[bool], currents: 
             (record.drive_values.clone(), model.motor.torque_constant_nm_per_a)
         }
         (Equation::Sensor(of), _) => (channel(of), 1.0),
+        (Equation::CurrentBefore, _) => (channel(Channel::Current), 1.0),
     };
     let seen = || values.iter().zip(tested).filter(|(v, t)| **t && v.is_finite()).map(|(v, _)| v);
     let count = seen().count().max(1) as f64;

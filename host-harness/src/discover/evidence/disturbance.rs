@@ -123,7 +123,7 @@ pub(crate) fn run_beside(
 ) -> Result<Run, BuildError> {
     let plant = plant(model, &problem.record.grid, problem.record.drive)?;
     let observer = Observer::new(model, &*plant, problem.record);
-    let walks = problem.pushed(walk).walks(noise, model.stages.len());
+    let walks = problem.pushed(walk).walks(noise, model);
     let mut along = Cow::Owned(Linearisation::default());
     let (gains, mut run) = observer.design_along(&mut along, noise, &walks);
     let smoothed = observer.smoothed(&gains, &along, &run).unwrap_or_default();
@@ -141,7 +141,9 @@ pub(crate) fn title(equation: Equation, drive: Drive, stages: usize) -> (String,
         Equation::Torque(0) => ("rotor torque".into(), "Nm"),
         Equation::Torque(mass) if mass == stages => ("output torque".into(), "Nm at the motor"),
         Equation::Torque(mass) => (format!("stage {mass} torque"), "Nm at the motor"),
-        Equation::Sensor(Channel::Current) => ("current sensor".into(), "A"),
+        Equation::Sensor(Channel::Current) | Equation::CurrentBefore => {
+            ("current sensor".into(), "A")
+        }
         Equation::Sensor(Channel::Motor) => ("motor encoder".into(), "rad"),
         Equation::Sensor(Channel::Output) => ("output encoder".into(), "rad"),
     }

@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 
-use super::late_current::late_current;
+use super::late_current::{late_current, refitted as refitted_late};
 use crate::discover::bounds::WEAK;
 use crate::discover::candidates::input_delay::late;
 use crate::discover::candidates::sensor_delay::late_encoders;
@@ -101,7 +101,7 @@ fn searched_late(
 ) -> Result<(Option<Model>, Search), BuildError> {
     let plain = Stage { fit, origin: nominal.clone() };
     if let Some(late) = late_current(&problem, nominal, &plain)? {
-        let (shown, fit) = late.refitted(&problem, nominal)?;
+        let (shown, fit) = refitted_late(&problem, nominal, late)?;
         let found = search(problem, &shown, fit, known, bar)?;
         return Ok((Some(shown), found));
     }
@@ -111,7 +111,7 @@ fn searched_late(
         false => late_current(&problem, nominal, &found.after)?,
     };
     if let Some(late) = late {
-        let (shown, fit) = late.refitted(&problem, nominal)?;
+        let (shown, fit) = refitted_late(&problem, nominal, late)?;
         let again = search(problem, &shown, fit, known, bar)?;
         if weight(&again) < weight(&found) && !interrupt::asked() {
             return Ok((Some(shown), again));

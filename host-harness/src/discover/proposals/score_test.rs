@@ -88,7 +88,7 @@ impl<'a> ScoreTest<'a> {
         let (_, run) = observer.design_along(
             &mut along,
             &base.noise,
-            &problem.walks(&base.noise, base.model.stages.len()),
+            &problem.walks(&base.noise, &base.model),
         );
         let all: Vec<_> = std::iter::once(&base.innovations).chain(&nulls).collect();
         let pulls = all
