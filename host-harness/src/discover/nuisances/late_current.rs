@@ -3,15 +3,16 @@
 //! Drives report a current some samples after it flowed, or parts of one. That is the log's timing and no effect of the
 //! joint, but left out it is named for one: a filter of the current, a late input, a late encoder, a resistance that sags.
 //! The refitted nominal, and what a search has found, are asked whether the log is likelier by far with a current of some
-//! time before; that stands if no filter of the current and no late input in its place explains the log as well. Each is
-//! charged for its values by the length of the log (Schwarz, Estimating the dimension of a model, 1978); a whole number of
-//! samples is none.
+//! time before; that stands if no filter of the current in its place explains the log as well, and no late input better by
+//! what tells two effects apart: what is left between those two is when the encoder shows the motion. Each is charged for
+//! its values by the length of the log (Schwarz, Estimating the dimension of a model, 1978); a whole number of samples is
+//! none.
 
 use joint_core::effect::{EffectParameters, Kind};
 use joint_core::joint::Drive;
 use rayon::prelude::*;
 
-use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN};
+use crate::discover::bounds::{FAR_BEHIND, LEAST_GAIN, SEPARATION};
 use crate::discover::candidates::hypothesis::Hypothesis;
 use crate::discover::candidates::input_delay;
 use crate::discover::candidates::sensor_lag::{is_of_the_current, reports};
@@ -59,40 +60,37 @@ pub(crate) fn late_current(
         }
     }
     let interval = record.grid.typical_interval();
-    let steps = likeliest(problem, &plain.fit)?;
-    if steps == 0 {
-        return Ok(None);
-    }
     let expected = noise::expected(nominal, record);
-    let tried = |delay_s: f64, effect: Option<&Hypothesis>| {
-        contender(problem, &plain, (delay_s, effect), (&expected, cost(&stage.fit)))
+    let tried = |begun: &Stage, delay: Delay, effect: Option<&Hypothesis>| {
+        contender(problem, begun, (delay, effect), (&expected, cost(&stage.fit)))
     };
+    let held = |begun: &Stage, delay_s: f64| tried(begun, Delay::Held(delay_s), None);
+    let Some((near, begun)) = approached(problem, &plain, held)? else { return Ok(None) };
     let value = problem.mask.iter().sum::<f64>().max(2.0).ln();
     let values = |fit: &Fit| fit.coordinates.len().saturating_sub(plain.fit.coordinates.len());
     let charged = |fit: &Fit| cost(fit) + value * values(fit) as f64;
-    let near = steps as f64 / STEPS as f64;
     // Between two whole numbers of samples, and at both.
     let between = if near.fract() == 0.0 { near - 0.5 / STEPS as f64 } else { near };
-    let delays = [between, between.floor(), between.ceil()].map(|samples| samples * interval);
-    let delayed = delays.into_par_iter().map(|delay_s| tried(delay_s, None));
+    let delays = [between, between.floor(), between.ceil()];
+    let delays = delays.into_par_iter().filter(|samples| *samples > 0.0);
+    let delayed = delays.map(|samples| tried(&begun, Delay::Free(samples * interval), None));
     let delayed = delayed.collect::<Result<Vec<_>, BuildError>>()?;
-    let plain_cost = delayed.iter().zip(delays).find(|(_, delay_s)| *delay_s == 0.0);
-    let plain_cost = match plain_cost {
-        Some((fit, _)) => cost(fit),
-        None if plain.fit.coordinates.len() == stage.fit.coordinates.len() => cost(&stage.fit),
-        None => cost(&tried(0.0, None)?),
+    let without = match plain.fit.model.effects.len() == stage.fit.model.effects.len() {
+        true => cost(&stage.fit),
+        false => cost(&held(&plain, 0.0)?),
     };
     let best = delayed.iter().min_by(|a, b| charged(a).total_cmp(&charged(b)));
-    let late = |fit: &&Fit| {
-        let delay_s = fit.model.sensor.current_delay_s;
-        delay_s > 0.0 && charged(fit) + LEAST_GAIN + value < plain_cost
+    let Some(best) = best.filter(|fit| charged(fit) + LEAST_GAIN + value < without) else {
+        return Ok(None);
     };
-    let Some(best) = best.filter(late) else { return Ok(None) };
     let input = input_delay::late(near, interval);
     let rivals: Vec<Hypothesis> = reports(interval).chain([input]).collect();
-    let rivals = rivals.par_iter().map(|rival| tried(0.0, Some(rival)));
+    let rivals = rivals.par_iter().map(|rival| tried(&begun, Delay::Held(0.0), Some(rival)));
     let rivals = rivals.collect::<Result<Vec<_>, BuildError>>()?;
-    let likelier = |rival: &Fit| charged(rival) <= charged(best);
+    let likelier = |rival: &Fit| {
+        let input = rival.model.effects[nominal.effects.len()..].iter().any(is_of_the_input);
+        charged(rival) + if input { 2.0 * SEPARATION } else { 0.0 } <= charged(best)
+    };
     let beaten = rivals.iter().chain([&stage.fit]).any(likelier);
     Ok((!beaten).then_some(best.model.sensor.current_delay_s))
 }
@@ -113,6 +111,31 @@ pub(crate) fn refitted(
     Ok((origin, fit))
 }
 
+/// The delay of the current in samples from which fits are to begin, and the fit there: a nominal that is off shows less
+/// of a delay than its refit with that does. `None` where there is none.
+fn approached(
+    problem: &Problem<'_>,
+    plain: &Stage,
+    tried: impl Fn(&Stage, f64) -> Result<Fit, BuildError>,
+) -> Result<Option<(f64, Stage)>, BuildError> {
+    let step_s = problem.record.grid.typical_interval() / STEPS as f64;
+    let (mut begun, mut known) = (plain.clone(), 0);
+    let mut least = f64::INFINITY;
+    for _ in 0..MOST {
+        let steps = likeliest(problem, &begun.fit)?;
+        if steps == known || interrupt::asked() {
+            break;
+        }
+        let fit = tried(&begun, steps as f64 * step_s)?;
+        if cost(&fit).total_cmp(&least).is_ge() {
+            break;
+        }
+        (known, least) = (steps, cost(&fit));
+        begun.fit = fit;
+    }
+    Ok((known > 0).then_some((known as f64 / STEPS as f64, begun)))
+}
+
 /// The delay of the current that makes the log likeliest at a fit, in steps of a sample's parts; zero where that is not by
 /// far.
 fn likeliest(problem: &Problem<'_>, fit: &Fit) -> Result<usize, BuildError> {
@@ -131,7 +154,11 @@ fn likeliest(problem: &Problem<'_>, fit: &Fit) -> Result<usize, BuildError> {
 
 /// Whether an effect is one that is named for a current that is late.
 fn stands_in(effect: &EffectParameters) -> bool {
-    effect.kind == Kind::InputDelay || is_of_the_current(effect)
+    is_of_the_input(effect) || is_of_the_current(effect)
+}
+
+fn is_of_the_input(effect: &EffectParameters) -> bool {
+    effect.kind == Kind::InputDelay
 }
 
 fn delayed(model: &Model, delay_s: f64) -> Model {
@@ -140,12 +167,20 @@ fn delayed(model: &Model, delay_s: f64) -> Model {
     model
 }
 
-/// A fit with the current so late, s, and with an effect, refitted; content with the first half of that where it is far
+/// A delay of the current, s.
+#[derive(Clone, Copy, Debug)]
+enum Delay {
+    Held(f64),
+    /// Fitted, where it is no whole number of samples.
+    Free(f64),
+}
+
+/// A fit with the current late, and with an effect, refitted; content with the first half of that where it is far
 /// behind what is `known`.
 fn contender(
     problem: &Problem<'_>,
     plain: &Stage,
-    (delay_s, effect): (f64, Option<&Hypothesis>),
+    (delay, effect): (Delay, Option<&Hypothesis>),
     (expected, known): (&Noise, f64),
 ) -> Result<Fit, BuildError> {
     let (mut origin, mut moved) = (plain.origin.clone(), plain.fit.coordinates.clone());
@@ -154,8 +189,9 @@ fn contender(
         (origin, moved) = plain.widened(effect);
         start = effect.added(&start);
     }
+    let (Delay::Held(delay_s) | Delay::Free(delay_s)) = delay;
     let [origin, start] = [origin, start].map(|model| delayed(&model, delay_s));
-    if is_between_samples(&start, problem.record) {
+    if matches!(delay, Delay::Free(_)) && is_between_samples(&start, problem.record) {
         moved.push(Coordinate::Parameter(Quantity::CurrentDelay));
     }
     let (rough, noise) = (problem.rough(), &plain.fit.noise);
