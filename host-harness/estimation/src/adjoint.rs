@@ -126,6 +126,7 @@ mod tests {
 
     use super::*;
     use crate::filter::Walk;
+    use crate::fit::Problem;
     use crate::noise::expected;
     use crate::record::Record;
     use joint_simulation::demo::actuator;
@@ -157,5 +158,31 @@ mod tests {
         };
         let (late, whole, truth) = (off(&filtered), off(&smoothed), off(&vec![0.0; last + 1]));
         assert!(whole < 0.5 * late && whole < 0.2 * truth, "{whole} {late} {truth}");
+    }
+    #[test]
+    fn a_pull_is_the_change_of_the_errors_beside_a_current_that_is_late_by_parts_of_a_sample() {
+        let mut model = actuator();
+        model.sensor.current_delay_s = 2.8e-4;
+        let record = Record::new(&record(&model, &Experiment::clean(0.2), 4).unwrap(), None);
+        let noise = expected(&model, &record);
+        let mask = vec![1.0; record.len()];
+        let walks = Problem::new(&record, &mask).walks(&noise, &model);
+        let plant = plant(&model, &record.grid, record.drive).unwrap();
+        let observer = Observer::new(&model, &*plant, &record);
+        let mut along = Cow::Owned(Linearisation::default());
+        let (gains, run) = observer.design_along(&mut along, &noise, &walks);
+        let pull = observer.pull(&gains, &along, &run.innovations);
+        let pulled = |k: usize, push: f64| {
+            let mut moved = record.clone();
+            moved.drive_values[k] += push;
+            let rows = Observer::new(&model, &*plant, &moved).innovations(&gains);
+            let weighed = rows.iter().flatten().zip(run.innovations.iter().flatten());
+            weighed.map(|(error, weight)| error * weight).sum::<f64>()
+        };
+        for k in [150, 400, 700] {
+            let wanted = (pulled(k, 1e-5) - pulled(k, -1e-5)) / 2e-5;
+            let off = (pull.drive[k] - wanted).abs();
+            assert!(off < 1e-2 * wanted.abs(), "{k}: {} {wanted}", pull.drive[k]);
+        }
     }
 }

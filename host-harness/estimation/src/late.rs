@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_current_that_is_late_by_parts_of_a_sample_is_the_state_where_it_flowed() {
+    fn a_current_that_is_late_by_parts_of_a_sample_is_likeliest_with_that_delay() {
         let truth = actuator();
         let (interval, parts) = (1e-3, 3);
         // A voltage that is held over an interval, and the joint at its thirds: the current is taken a third before.

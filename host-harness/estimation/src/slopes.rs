@@ -106,7 +106,7 @@ impl Problem<'_> {
     /// Whether a coordinate moves the joint's constants and nothing else, and those smoothly.
     fn is_smooth(&self, model: &Model, coordinate: &Coordinate) -> bool {
         let outside = |kind: Kind| kind.is_of_a_sensor() || kind == Kind::InputDelay;
-        // A delay of the current moves what encoders show, too.
+        // A delay of the current moves what its sensor shows.
         let delay = *coordinate == Coordinate::Parameter(Quantity::CurrentDelay);
         if delay || coordinate.effect().is_some_and(|e| outside(model.effects[e].kind)) {
             return false;
@@ -302,7 +302,8 @@ mod tests {
 
     #[test]
     fn models_run_side_by_side_have_the_bits_of_each_alone() {
-        let model = joint();
+        let mut model = joint();
+        model.sensor.current_delay_s = 1.3e-4;
         let record = record(&model);
         let mask: Vec<f64> = (0..record.len()).map(|k| f64::from(u8::from(k < 2500))).collect();
         let push = Walk::random(Equation::Torque(1), 1e-9, 1e-6);
