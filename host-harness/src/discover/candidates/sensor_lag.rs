@@ -58,7 +58,7 @@ pub(crate) fn lagging(place: Location, constant_s: f64) -> Hypothesis {
 
 /// The same of a current's report by a drive that samples at this interval, s: a digital filter is ahead of a
 /// continuous one by half its period, or as much behind it.
-pub(crate) fn reported(constant_s: f64, interval: f64) -> Hypothesis {
+fn reported(constant_s: f64, interval: f64) -> Hypothesis {
     let mut lag = lagging(Location::CurrentSensor, constant_s);
     lag.free.push(Free::Value { value: 1, scale: 0.5 * interval, sigma: 1.0 });
     lag
