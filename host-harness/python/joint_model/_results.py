@@ -46,6 +46,10 @@ class Effect:
     share: float
     """Part of what the refitted nominal misses on unseen samples, 0 to 1."""
     share_error: float
+    borne_out: float | None
+    """How much of what it changes of the prediction errors unseen samples bear out, given all other effects: 1 where it
+    is what the fit says. None where they were not asked."""
+    borne_out_error: float | None
     transfer_t: float | None
     """Gain on the records of ``transfer`` over its standard error, given all other effects; None without any,
     and for what is only possible."""
@@ -55,7 +59,8 @@ class Effect:
     def _of(cls, raw: dict[str, Any]) -> Effect:
         rivals = [Rival(own["kind"], own["location"], own["confidence"]) for own in raw["rivals"]]
         own = ("kind", "location", "parameters", "standard_errors", "confidence", "share", "share_error")
-        return cls(**{name: raw[name] for name in own}, transfer_t=raw.get("transfer_t"), rivals=rivals)
+        told = ("borne_out", "borne_out_error", "transfer_t")
+        return cls(**{name: raw[name] for name in own}, **{name: raw.get(name) for name in told}, rivals=rivals)
 
 
 @dataclass(frozen=True)

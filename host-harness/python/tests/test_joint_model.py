@@ -114,6 +114,9 @@ class Transfer(unittest.TestCase):
             found = jm.discover(names["log"], names["nominal"], transfer=[path, frame])
         first = found.effects[0]
         self.assertEqual((first.kind, first.location), ("cogging", "motor"))
+        # It is what the fit says.
+        self.assertLess(abs(first.borne_out - 1.0), 0.1)
+        self.assertLess(first.borne_out_error, 0.1)
         # Beyond chance at 5 %, one-sided.
         self.assertGreater(first.transfer_t, 1.645)
         self.assertEqual(found.to_pandas()["transfer_t"][0], first.transfer_t)

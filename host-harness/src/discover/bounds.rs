@@ -126,6 +126,10 @@ pub(crate) const BY_CHANCE: f64 = 0.05;
 pub(crate) const APART: f64 = 3.0;
 /// Standard errors beyond which lies a twentieth of a normal deviate, one-sided, 1; derived.
 pub(crate) const SIGMAS: f64 = 1.645;
+/// Slope of errors on what an effect changes of them at which it comes no nearer than none, 1; derived.
+pub(crate) const HALFWAY: f64 = 0.5;
+/// The same at which half of the squares that it changes are gained, 1; derived.
+pub(crate) const MOSTLY: f64 = 0.75;
 /// Share of the RMS of what drives an equation up to which a remainder does not matter, 1; convention.
 pub(crate) const TOLERANCE: f64 = 0.01;
 /// Most that an innovation counts for on unseen samples, sigmas: few moments of slip outweigh no others; draws.

@@ -83,12 +83,14 @@ pub(super) fn effects(page: &mut String, effects: &[Named]) {
         let _ = writeln!(
             page,
             "<p class=note>Right with a probability of {}. It explains {share} of what the refitted model misses. \
-             On samples that no fit has seen it improves the fit by {} times its standard error{}, and in {} of \
+             Samples that no fit has seen bear out {} of what it changes there{}, and in {} of \
              the logs drawn anew from this one it stays ahead of every other name.</p>",
             per_cent(own.confidence),
-            digits(own.unseen_t, 2),
-            own.transfer_t
-                .map_or(String::new(), |t| format!(", on other records by {}", digits(t, 2))),
+            borne_out(own),
+            own.transfer_t.map_or(String::new(), |t| format!(
+                ", on other records it improves the fit by {} times its standard error",
+                digits(t, 2)
+            )),
             per_cent(own.stays_ahead)
         );
         values(page, own);
@@ -101,13 +103,21 @@ pub(super) fn unnamed(page: &mut String, maps: &[Named]) {
         let _ = writeln!(
             page,
             "<h2>What repeats without a name</h2>\n<p>{} is in the improved model. It says what is there without \
-             saying why, and takes {} of what the refitted model misses; on samples that no fit has seen it \
-             improves the fit by {} times its standard error.</p>",
+             saying why, and takes {} of what the refitted model misses; samples that no fit has seen bear out \
+             {} of what it changes there.</p>",
             escape(&capital(&effect(&own.kind, &own.location))),
             share(own),
-            digits(own.unseen_t, 2)
+            borne_out(own)
         );
         values(page, own);
+    }
+}
+
+/// How much of an effect unseen samples bear out, ± one standard error.
+fn borne_out(own: &Named) -> String {
+    match (own.borne_out, own.borne_out_error) {
+        (Some(value), Some(error)) => format!("{:.0} ± {:.0} %", 100.0 * value, 100.0 * error),
+        _ => "nothing".to_owned(),
     }
 }
 

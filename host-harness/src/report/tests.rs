@@ -43,6 +43,8 @@ pub(super) fn findings(samples: usize) -> Findings {
             gain: 900.0,
             share: 0.9,
             share_error: 0.02,
+            borne_out: Some(0.98),
+            borne_out_error: Some(0.03),
             unseen_t: 12.0,
             transfer_t: Some(5.0),
             stays_ahead: 1.0,

@@ -75,8 +75,14 @@ pub struct Named {
     pub share: f64,
     /// One standard error of that.
     pub share_error: f64,
-    /// What samples that no fit has seen say of it, given all the others: its gain there over its
-    /// standard error, by blocks.
+    /// How much of what it changes of the prediction errors, given all the others, samples that no fit has seen bear
+    /// out: one where it is what the fit says. `None` where they were not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub borne_out: Option<f64>,
+    /// One standard error of that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub borne_out_error: Option<f64>,
+    /// Its gain there over its standard error, by blocks.
     pub unseen_t: f64,
     /// The same on the other records; `None` where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]

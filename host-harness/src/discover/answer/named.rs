@@ -49,6 +49,7 @@ pub(crate) fn named(
             };
             let (confidence, rivals) = confidence(round, &names, left, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
+            let [borne_out, borne_out_error] = unseen.unseen.slope.told();
             Named {
                 kind: effect.kind.spec().kind.to_owned(),
                 location: effect.location.to_string(),
@@ -59,6 +60,8 @@ pub(crate) fn named(
                 confidence,
                 share: share.value,
                 share_error: share.error,
+                borne_out,
+                borne_out_error,
                 unseen_t: unseen.unseen.t,
                 transfer_t: unseen.elsewhere,
                 gain: round.gain,

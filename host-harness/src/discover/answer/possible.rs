@@ -9,6 +9,7 @@ use super::findings::{Named, knots_of};
 use crate::discover::bounds::UNCONFIRMED;
 use crate::discover::checks::bootstrap::stays_ahead;
 use crate::discover::evidence::rest::Rest;
+use crate::discover::evidence::slope::Slope;
 use crate::discover::state::search::Search;
 
 /// Effects that explain something but not beyond doubt: those that unseen samples did not confirm, and the
@@ -19,9 +20,12 @@ pub(crate) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
     let unconfirmed = found
         .unconfirmed
         .iter()
-        .map(|own| (&own.contender, &own.stage, own.unseen_t, own.transfer_t));
-    let deferred = found.deferred.iter().map(|(contender, stage)| (contender, stage, 0.0, None));
-    for (contender, stage, unseen_t, transfer_t) in unconfirmed.chain(deferred) {
+        .map(|own| (&own.contender, &own.stage, own.slope, own.unseen_t, own.transfer_t));
+    let deferred = found
+        .deferred
+        .iter()
+        .map(|(contender, stage)| (contender, stage, Slope::default(), 0.0, None));
+    for (contender, stage, slope, unseen_t, transfer_t) in unconfirmed.chain(deferred) {
         let model = &stage.fit.model;
         let named = |effect: &&EffectParameters| (effect.kind, effect.location) == contender.name;
         let Some(effect) = model.effects.iter().rfind(named) else { continue };
@@ -31,6 +35,7 @@ pub(crate) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
         told.push(contender.name);
         let keys = effect.kind.spec().parameters.iter().zip(effect.values);
         let stays_ahead = stays_ahead(&stage.fit, &[&found.after.fit], mask);
+        let [borne_out, borne_out_error] = slope.told();
         all.push(Named {
             kind: effect.kind.spec().kind.to_owned(),
             location: effect.location.to_string(),
@@ -41,6 +46,8 @@ pub(crate) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
             confidence: UNCONFIRMED * stays_ahead,
             share: 0.0,
             share_error: 0.0,
+            borne_out,
+            borne_out_error,
             unseen_t,
             transfer_t,
             gain: contender.gain,
@@ -56,6 +63,7 @@ pub(crate) fn possible(found: &Search, mask: &[f64]) -> Vec<Named> {
 pub(crate) fn unnamed(rest: &Rest, of: f64) -> Option<Named> {
     let map = rest.stage.fit.model.effects.last()?;
     let values = map.kind.spec().parameters.iter().zip(map.values);
+    let [borne_out, borne_out_error] = rest.unseen.slope.told();
     Some(Named {
         kind: map.kind.spec().kind.to_owned(),
         location: map.location.to_string(),
@@ -66,6 +74,8 @@ pub(crate) fn unnamed(rest: &Rest, of: f64) -> Option<Named> {
         confidence: 0.0,
         share: of * rest.share.value,
         share_error: of * rest.share.error,
+        borne_out,
+        borne_out_error,
         unseen_t: rest.unseen.t,
         transfer_t: None,
         gain: rest.unseen.series.iter().sum(),

@@ -13,11 +13,11 @@ use crate::discover::state::stage::Stage;
 use crate::estimate::fit::Problem;
 use crate::plant::BuildError;
 
-/// Takes effects back that samples which no fit has seen speak against beyond their standard error, given the
-/// others: they are only possible. Where what is left is not noise they have to be the likelier for it, and beside
-/// a disturbance, which makes likelihoods of what imitates it, to come nearer as well, one of the two by more standard
-/// errors than one of all hypotheses would by chance; not so of an effect that a regression is certain of. Answers
-/// with what those samples, and the other records, say of the rest.
+/// Takes effects back that samples which no fit has seen do not bear out, given the others: they are only possible. An
+/// effect has to come nearer there, and no other record may speak against it. Where what is left is no `noise`, or there
+/// is a disturbance, likelihoods are made of what imitates an effect as well: it has to come nearer by more standard errors
+/// than one of all hypotheses would by chance, there or in other records. Of an effect that a regression is certain of
+/// samples need only not speak against it. Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -30,12 +30,12 @@ pub(crate) fn keep_confirmed(
     let by_chance = by_chance(found);
     loop {
         let asked = asked(problem, found, tested, others)?;
-        let disturbed = found.after.fit.noise.is_disturbed();
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
+        let white = noise && !found.after.fit.noise.is_disturbed();
+        let level = if white { SIGMAS } else { by_chance };
         let short = |k: usize, own: &Witnessed| match certain(k) {
-            false if disturbed => margin(&own.all(), by_chance),
-            false if !noise => own.least(),
-            _ => own.least() + SIGMAS,
+            true => own.not_against(),
+            false => own.margin(level),
         };
         let all = asked.iter().enumerate().map(|(k, (own, _))| (k, short(k, own)));
         let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
@@ -46,6 +46,7 @@ pub(crate) fn keep_confirmed(
         found.unconfirmed.push(Unconfirmed {
             contender: Contender { name: round.name, gain: round.gain },
             stage: std::mem::replace(&mut found.after, without),
+            slope: own.unseen.slope,
             unseen_t: own.unseen.t,
             transfer_t: own.elsewhere,
         });
@@ -58,13 +59,6 @@ fn by_chance(found: &Search) -> f64 {
     Normal::standard().inverse_cdf(1.0 - BY_CHANCE / tried as f64)
 }
 
-/// By how many standard errors samples that no fit has seen confirm an effect beside a disturbance, from the t of their
-/// likelihood, of their squared errors, and of other records: none may speak against it, and one has to be beyond chance.
-pub(crate) fn margin(told: &[f64], by_chance: f64) -> f64 {
-    let most = told.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    told.iter().copied().fold(most - by_chance, f64::min)
-}
-
 /// What samples that no fit has seen say of an effect.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Witnessed {
@@ -75,19 +69,26 @@ pub(crate) struct Witnessed {
 }
 
 impl Witnessed {
-    /// The t of whoever speaks against it most.
-    fn least(&self) -> f64 {
-        self.elsewhere.map_or(self.unseen.t, |other| self.unseen.t.min(other))
+    /// By how many standard errors it is borne out beyond what `chance` reaches; below zero where it is not.
+    fn margin(&self, chance: f64) -> f64 {
+        let own = self.unseen.slope;
+        match self.elsewhere {
+            // Two witnesses for whom it is there: one of them has to be sure.
+            Some(other) => {
+                own.margin(chance.min(SIGMAS)).min(own.nearer().max(other) - chance).min(other)
+            }
+            None => own.margin(chance),
+        }
     }
 
-    /// Every t there is.
-    fn all(&self) -> Vec<f64> {
-        [self.unseen.t, self.unseen.nearer].into_iter().chain(self.elsewhere).collect()
+    /// By how many standard errors nobody speaks against it.
+    fn not_against(&self) -> f64 {
+        self.elsewhere.unwrap_or(f64::INFINITY).min(self.unseen.slope.nearer()) + SIGMAS
     }
 
-    /// The t of all together.
+    /// Standard errors of all together.
     pub(crate) fn t(&self) -> f64 {
-        together(self.elsewhere.into_iter().chain([self.unseen.t]))
+        together(self.elsewhere.into_iter().chain([self.unseen.slope.nearer()]))
     }
 }
 
@@ -117,46 +118,53 @@ fn asked(
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Range;
+
     use super::*;
+    use crate::discover::evidence::blocks::Share;
+    use crate::discover::evidence::slope::Slope;
     use crate::discover::state::rounds::ScoreRow;
     use crate::discover::trial;
     use crate::estimate::noise::expected;
     use crate::estimate::record::Record;
     use crate::log::Log;
 
+    fn told(value: f64, error: f64, elsewhere: Option<f64>) -> Witnessed {
+        let slope = Slope(Share { value, error });
+        Witnessed { unseen: Unseen { slope, ..Unseen::default() }, elsewhere }
+    }
+
     #[test]
-    fn beside_a_disturbance_nothing_may_speak_against_an_effect_and_one_has_to_be_beyond_chance() {
-        for (told, confirmed) in [
-            (vec![4.0, 0.1], true),
-            (vec![0.1, 4.0], true),
-            (vec![4.0, -0.1], false),
-            (vec![3.0, 3.0], false),
+    fn an_effect_comes_nearer_beyond_chance_and_nobody_speaks_against_it() {
+        for (value, error, elsewhere, confirmed) in [
+            (1.0, 0.1, None, true),
+            (0.6, 0.01, None, false),
+            (1.0, 0.2, None, false),
             // Another record bears it out, or speaks against it.
-            (vec![1.7, 0.2, 9.0], true),
-            (vec![4.0, 4.0, -0.1], false),
+            (1.0, 0.2, Some(9.0), true),
+            (1.0, 0.2, Some(2.0), false),
+            (0.6, 0.01, Some(9.0), false),
+            (1.0, 0.1, Some(-0.1), false),
         ] {
-            assert_eq!(margin(&told, 3.3) >= 0.0, confirmed, "{told:?}");
+            let own = told(value, error, elsewhere);
+            assert_eq!(own.margin(3.3) >= 0.0, confirmed, "{own:?}");
         }
-        assert_eq!(margin(&[4.0, 0.25], 3.3), 0.25);
     }
 
     #[test]
-    fn whoever_speaks_against_an_effect_most_is_its_least_and_all_of_them_count_together() {
-        let told = |elsewhere| {
-            let unseen = Unseen { t: 1.0, nearer: 3.0, ..Unseen::default() };
-            Witnessed { unseen, elsewhere }
-        };
-        assert_eq!([None, Some(0.5), Some(2.0)].map(|t| told(t).least()), [1.0, 0.5, 1.0]);
-        assert_eq!(
-            [told(None).all(), told(Some(2.0)).all()],
-            [vec![1.0, 3.0], vec![1.0, 3.0, 2.0]]
+    fn whoever_speaks_against_an_effect_most_is_heard_and_all_of_them_count_together() {
+        let against = |elsewhere| told(0.3, 0.2, elsewhere).not_against() - SIGMAS;
+        let heard = [None, Some(-2.0), Some(2.0)].map(against);
+        assert!(
+            heard.iter().zip([-1.0, -2.0, -1.0]).all(|(a, b)| (a - b).abs() < 1e-12),
+            "{heard:?}"
         );
-        assert_eq!(told(None).t(), 1.0);
-        assert!((told(Some(2.0)).t() - 3.0 / 2.0_f64.sqrt()).abs() < 1e-12);
+        assert!((told(1.0, 0.5, None).t() - 1.0).abs() < 1e-12);
+        assert!((told(1.0, 0.5, Some(2.0)).t() - 3.0 / 2.0_f64.sqrt()).abs() < 1e-12);
     }
 
-    /// A log of a motor, and a search that has found a line in it which is not there, of a size that unseen samples
-    /// speak against by less than [`SIGMAS`].
+    /// A log of a motor, and a search that has found a line in it which comes nearer on unseen samples by so many standard
+    /// errors; the log holds it, or a share of it.
     struct Doubted {
         log: Log,
         record: Record,
@@ -165,50 +173,62 @@ mod tests {
         found: Search,
     }
 
-    fn doubted() -> Doubted {
-        let (nominal, line) = (trial::motor(), trial::line(12.0).with("amplitude_nm", 0.0));
-        let log = trial::log(&nominal, line, 4.0);
-        let record = Record::new(&log, None);
-        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
-        let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(!tested))).collect();
-        let problem = Problem::new(&record, &mask).rough();
-        let before = trial::fitted(&problem, &nominal, &[]);
-        let mut found = Search::new(before, &[], expected(&nominal, &record));
-        found.rounds.push(trial::round(100.0));
-        let with = (0..60).find_map(|k| {
-            let mut with = found.before.clone();
-            with.fit.model.effects.push(line.with("amplitude_nm", 1e-3 * 0.8_f64.powi(k)));
-            let told = unseen(&problem, &found.before.fit, &with.fit, &tested).unwrap();
-            (-0.9 * SIGMAS..-0.1).contains(&told.t).then_some(with)
-        });
-        found.after = with.unwrap();
-        Doubted { log, record, tested, mask, found }
+    fn doubted(hidden: f64, nearer: Range<f64>) -> Doubted {
+        let nominal = trial::motor();
+        let size = |k: i32| 0.02 * 0.8_f64.powi(k);
+        let tried = |k: i32| {
+            let line = trial::line(12.0).with("amplitude_nm", size(k));
+            let log = trial::log(&nominal, line.with("amplitude_nm", hidden * size(k)), 4.0);
+            let record = Record::new(&log, None);
+            let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
+            let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(!tested))).collect();
+            let problem = Problem::new(&record, &mask).rough();
+            let before = trial::fitted(&problem, &nominal, &[]);
+            let mut found = Search::new(before, &[], expected(&nominal, &record));
+            found.rounds.push(trial::round(100.0));
+            found.after.fit.model.effects.push(line);
+            let fits = [&found.before.fit, &found.after.fit];
+            let told = unseen(&problem, fits[0], fits[1], &tested).unwrap();
+            let found = nearer.contains(&told.slope.nearer()).then_some(found)?;
+            Some(Doubted { log, record, tested, mask, found })
+        };
+        (0..40).find_map(tried).unwrap()
     }
 
     #[test]
-    fn a_doubt_takes_an_effect_back_where_noise_is_left_or_a_disturbance_and_no_regression_is_certain()
-     {
-        let Doubted { log, record, tested, mask, found } = doubted();
+    fn a_doubt_takes_an_effect_back_but_one_that_a_regression_is_certain_of() {
+        let Doubted { log, record, tested, mask, found } = doubted(0.0, -0.9 * SIGMAS..-0.1);
         let problem = Problem::new(&record, &mask).rough();
         let name = trial::round(1.0).name;
         let other = [Elsewhere::new(&log, &record, (60_000, 2)).unwrap()];
-        for (noise, disturbed, certain, others, stays) in [
-            (true, false, false, &[][..], true),
-            (false, false, false, &[], false),
-            (false, false, true, &[], true),
-            (true, true, false, &[], false),
-            (true, true, true, &other, true),
-        ] {
+        for (certain, others, stays) in
+            [(false, &[][..], false), (true, &[], true), (false, &other, false)]
+        {
             let mut found = found.clone();
-            found.after.fit.noise.reversal = if disturbed { 1e-12 } else { 0.0 };
             found.measured = if certain { vec![name] } else { Vec::new() };
-            let told = keep_confirmed(&problem, &mut found, (&tested, others), noise).unwrap();
+            let told = keep_confirmed(&problem, &mut found, (&tested, others), true).unwrap();
             let count = usize::from(stays);
             assert_eq!([told.len(), found.rounds.len()], [count; 2]);
             assert_eq!(found.after.fit.model.effects.len(), count);
             let taken: Vec<_> = found.unconfirmed.iter().map(|own| own.contender.name).collect();
             assert_eq!(taken, if stays { vec![] } else { vec![name] });
             assert!(told.iter().all(|own| own.elsewhere.is_none() == others.is_empty()));
+        }
+    }
+
+    #[test]
+    fn more_is_asked_of_an_effect_where_no_noise_is_left_or_a_disturbance() {
+        let Doubted { record, tested, mask, mut found, .. } =
+            doubted(1.0, 1.2 * SIGMAS..1.8 * SIGMAS);
+        let problem = Problem::new(&record, &mask).rough();
+        // One in two thousand of a normal deviate by chance: 3.3 standard errors.
+        let row = |_| ScoreRow { round: 1, name: String::new(), score: 0.0, refitted: None };
+        found.scores = (0..100).map(row).collect();
+        for (noise, reversal, stays) in [(true, 0.0, 1), (false, 0.0, 0), (true, 1e-12, 0)] {
+            let mut found = found.clone();
+            found.after.fit.noise.reversal = reversal;
+            let told = keep_confirmed(&problem, &mut found, (&tested, &[]), noise).unwrap();
+            assert_eq!([told.len(), found.rounds.len()], [stays; 2]);
         }
     }
 

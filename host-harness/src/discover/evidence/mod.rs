@@ -18,9 +18,11 @@ mod linear;
 mod map;
 pub(crate) mod rest;
 mod shares;
+pub(crate) mod slope;
 pub(crate) mod unseen;
 
 pub use blocks::{Blocks, Share};
 pub use budget::{Budget, FreeRun};
 pub use generic::Predicted;
+pub use slope::Slope;
 pub use unseen::Unseen;

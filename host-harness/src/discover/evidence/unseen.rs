@@ -6,7 +6,9 @@
 //! Dawid, J. R. Stat. Soc. A 147, 1984).
 
 use super::blocks::Blocks;
+use super::slope::Slope;
 use crate::discover::bounds::MOST_INNOVATION;
+use crate::estimate::abreast::Rows;
 use crate::estimate::filter::Noise;
 use crate::estimate::fit::{Fit, Problem};
 use crate::estimate::record::CHANNELS;
@@ -20,9 +22,9 @@ pub struct Unseen {
     pub series: Vec<f64>,
     /// Their sum over its standard error, by blocks.
     pub t: f64,
-    /// The same of the squared errors alone, both counted in the noise of the model with it: whether that model
-    /// comes nearer, or only expects to be farther off.
-    pub nearer: f64,
+    /// The slope of the errors without it on what it changes of them, both counted in the noise of the model with it:
+    /// whether that model comes nearer, or only expects to be farther off.
+    pub slope: Slope,
 }
 
 /// Asks the samples of `tested` for a fit against the same without one of its effects, refitted.
@@ -37,33 +39,29 @@ pub(crate) fn unseen(
 ) -> Result<Unseen, BuildError> {
     let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(*tested))).collect();
     let asked = Problem { mask: &mask, scout: None, ..*problem };
-    let at = |model: &Model, noise: &Noise| -> Result<[Vec<f64>; 2], BuildError> {
+    let at = |model: &Model, noise: &Noise| -> Result<(Vec<f64>, Rows), BuildError> {
         let run = asked.design(model, noise)?;
-        let rows = run.innovations.iter().zip(tested);
-        let square = |row: &[f64; CHANNELS]| row.iter().map(bounded).sum::<f64>();
-        let squares: Vec<f64> = rows.map(|(row, t)| if *t { square(row) } else { 0.0 }).collect();
-        let logs = run.gains.log_variances().zip(tested).zip(&squares);
-        let deviances = logs.map(|((log, t), square)| if *t { square + log } else { 0.0 });
-        Ok([deviances.collect(), squares])
+        let errors: Rows = run.innovations.iter().map(|row| row.map(bounded)).collect();
+        let rows = run.gains.log_variances().zip(&errors).zip(tested);
+        let deviance =
+            |log: f64, row: &[f64; CHANNELS]| log + row.iter().map(|e| e * e).sum::<f64>();
+        let deviances =
+            rows.map(|((log, row), tested)| if *tested { deviance(log, row) } else { 0.0 });
+        Ok((deviances.collect(), errors))
     };
     // Each at its own noise: where the simpler one's has swallowed what it misses, that tells them apart.
     let (better, (plain, farther)) = rayon::join(
         || at(&with.model, &with.noise),
         || rayon::join(|| at(&without.model, &without.noise), || at(&without.model, &with.noise)),
     );
-    let ([better, near], [plain, _], [_, far]) = (better?, plain?, farther?);
-    let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
-    let told = |series: &[f64]| witnessed(&Blocks::of_series(tested, series), series);
-    let series = less(&plain, &better);
-    Ok(Unseen { t: told(&series), nearer: told(&less(&far, &near)), series })
+    let ((better, near), (plain, _), (_, far)) = (better?, plain?, farther?);
+    let series: Vec<f64> = plain.iter().zip(&better).map(|(a, b)| a - b).collect();
+    let t = witnessed(&Blocks::of_series(tested, &series), &series);
+    Ok(Unseen { t, slope: Slope::of(tested, &far, &near), series })
 }
 
-fn bounded(error: &f64) -> f64 {
-    if error.is_finite() {
-        error.abs().min(MOST_INNOVATION).powi(2)
-    } else {
-        MOST_INNOVATION * MOST_INNOVATION
-    }
+fn bounded(error: f64) -> f64 {
+    if error.is_nan() { MOST_INNOVATION } else { error.clamp(-MOST_INNOVATION, MOST_INNOVATION) }
 }
 
 /// The t of a series' sum over blocks.
@@ -105,14 +103,17 @@ mod tests {
         // Five standard errors of a normal deviate happen once in three million.
         let gain = |told: &Unseen| told.series.iter().sum::<f64>();
         assert!(gain(&there) > 100.0 && there.t > 5.0, "{} {}", gain(&there), there.t);
-        assert!(there.nearer > 5.0 && not.nearer < 5.0, "{} {}", there.nearer, not.nearer);
         assert!(gain(&not) < 10.0 && not.t < 5.0, "{} {}", gain(&not), not.t);
+        let [there, not] = [there, not].map(|told| told.slope);
+        // It is what its fit says, and what is not there is none.
+        assert!((there.0.value - 1.0).abs() < 0.1 && there.margin(5.0) > 0.0, "{there:?}");
+        assert!(not.margin(1.0) < 0.0, "{not:?}");
     }
 
     #[test]
     fn an_error_counts_for_ten_sigmas_at_most() {
         let errors = [-3.0, 10.0, 11.0, -1e200, f64::INFINITY, f64::NAN];
-        assert_eq!(errors.map(|error| bounded(&error)), [9.0, 100.0, 100.0, 100.0, 100.0, 100.0]);
+        assert_eq!(errors.map(bounded), [-3.0, 10.0, 10.0, -10.0, 10.0, 10.0]);
     }
 
     #[test]

@@ -12,7 +12,6 @@ use rayon::prelude::*;
 use crate::discover::bounds::{MOST_EFFECTS_DISTURBED, SIGMAS};
 use crate::discover::candidates::hypothesis::{Hypothesis, run_through};
 use crate::discover::checks::bootstrap::stays_ahead;
-use crate::discover::checks::confirmed::margin;
 use crate::discover::checks::elimination::without;
 use crate::discover::checks::needless::{bound, eliminate};
 use crate::discover::checks::order::ask_order;
@@ -112,12 +111,18 @@ fn confirmed(
         if contender.gain.is_nan() || contender.gain < least {
             break;
         }
-        let Unseen { t, nearer, .. } = unseen(problem, plain, &stage.fit, &tested)?;
-        if margin(&[t, nearer], SIGMAS) >= 0.0 {
+        let Unseen { t, slope, .. } = unseen(problem, plain, &stage.fit, &tested)?;
+        if slope.margin(SIGMAS) >= 0.0 {
             return Ok(Some((contender, stage)));
         }
-        if t.min(nearer) > 0.0 {
-            refused.get_or_insert(Unconfirmed { contender, stage, unseen_t: t, transfer_t: None });
+        if slope.nearer() > 0.0 {
+            refused.get_or_insert(Unconfirmed {
+                contender,
+                stage,
+                slope,
+                unseen_t: t,
+                transfer_t: None,
+            });
         }
     }
     search.unconfirmed.extend(refused);

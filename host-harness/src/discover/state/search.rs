@@ -6,6 +6,7 @@ use joint_core::effect::Kind;
 use super::constant::Constant;
 use super::rounds::{Contender, Name, Round, ScoreRow, title};
 use super::stage::Stage;
+use crate::discover::evidence::slope::Slope;
 use crate::estimate::filter::Noise;
 use crate::estimate::refit::cost;
 
@@ -53,7 +54,9 @@ pub(crate) struct Unconfirmed {
     pub(crate) contender: Contender,
     /// The model that had it.
     pub(crate) stage: Stage,
-    /// The t of the logs' own unseen samples.
+    /// How much of it the logs' own unseen samples bear out.
+    pub(crate) slope: Slope,
+    /// The t of what it gains there.
     pub(crate) unseen_t: f64,
     /// That of the other records; `None` where there are none.
     pub(crate) transfer_t: Option<f64>,
