@@ -45,7 +45,7 @@ pub(crate) fn named(
             // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
             let left = match clean && !fit.noise.is_disturbed() {
                 true => Left::Noise,
-                false => Left::more(unnamed, [share.value, share.error], unseen.t(), tried),
+                false => Left::more(unnamed, [share.value, share.error], unseen.t(clean), tried),
             };
             let (confidence, rivals) = confidence(round, &names, left, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);

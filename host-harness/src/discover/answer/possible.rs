@@ -108,7 +108,7 @@ mod tests {
         found.rounds.push(trial::round(1e4));
         let mut wrong = found.clone();
         let unseen = keep_confirmed(&problem, &mut found, (&tested, &[]), true).unwrap();
-        assert!(found.rounds.len() == 1 && unseen[0].t() > 0.0);
+        assert!(found.rounds.len() == 1 && unseen[0].t(true) > 0.0);
         // Where no equation stands out nothing is weighed, and no effect is lost by it.
         let noise = found.after.fit.noise;
         let (weighed, _) = weighed(&problem, &found, None, &noise, &tested, &unseen).unwrap();

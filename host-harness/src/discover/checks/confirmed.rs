@@ -86,9 +86,12 @@ impl Witnessed {
         self.elsewhere.unwrap_or(f64::INFINITY).min(self.unseen.slope.nearer()) + SIGMAS
     }
 
-    /// Standard errors of all together.
-    pub(crate) fn t(&self) -> f64 {
-        together(self.elsewhere.into_iter().chain([self.unseen.slope.nearer()]))
+    /// Standard errors by which it comes nearer, here and elsewhere together. Where what is left is no `noise`, errors are
+    /// no measure of themselves, and it has to make the samples likelier as well.
+    pub(crate) fn t(&self, noise: bool) -> f64 {
+        let Unseen { slope, t, .. } = self.unseen;
+        let own = if noise { slope.nearer() } else { slope.nearer().min(t) };
+        together(self.elsewhere.into_iter().chain([own]))
     }
 }
 
@@ -159,8 +162,10 @@ mod tests {
             heard.iter().zip([-1.0, -2.0, -1.0]).all(|(a, b)| (a - b).abs() < 1e-12),
             "{heard:?}"
         );
-        assert!((told(1.0, 0.5, None).t() - 1.0).abs() < 1e-12);
-        assert!((told(1.0, 0.5, Some(2.0)).t() - 3.0 / 2.0_f64.sqrt()).abs() < 1e-12);
+        assert!((told(1.0, 0.5, None).t(true) - 1.0).abs() < 1e-12);
+        assert!((told(1.0, 0.5, Some(2.0)).t(true) - 3.0 / 2.0_f64.sqrt()).abs() < 1e-12);
+        // Samples that are no likelier for it count where what is left is no noise.
+        assert_eq!(told(1.0, 0.5, None).t(false), 0.0);
     }
 
     /// A log of a motor, and a search that has found a line in it which comes nearer on unseen samples by so many standard

@@ -9,7 +9,7 @@
 use joint_core::effect::MAX_EFFECTS;
 use rayon::prelude::*;
 
-use crate::discover::bounds::{MOST_EFFECTS_DISTURBED, SIGMAS};
+use crate::discover::bounds::MOST_EFFECTS_DISTURBED;
 use crate::discover::candidates::hypothesis::{Hypothesis, run_through};
 use crate::discover::checks::bootstrap::stays_ahead;
 use crate::discover::checks::elimination::without;
@@ -112,7 +112,7 @@ fn confirmed(
             break;
         }
         let Unseen { t, slope, .. } = unseen(problem, plain, &stage.fit, &tested)?;
-        if slope.margin(SIGMAS) >= 0.0 {
+        if slope.margin(0.0) >= 0.0 {
             return Ok(Some((contender, stage)));
         }
         if slope.nearer() > 0.0 {
