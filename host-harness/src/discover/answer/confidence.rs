@@ -26,7 +26,7 @@ pub(crate) enum Left {
 
 impl Left {
     /// Something that is not noise, of which a generic family predicts the share `unnamed`, beside a name
-    /// that explains `share` with its standard error, and whose gain on unseen samples has this t; as many
+    /// that explains `share` with its standard error, and comes nearer on unseen samples by `t` of them; as many
     /// names were tried.
     pub(crate) fn more(unnamed: f64, [share, error]: [f64; 2], t: f64, tried: usize) -> Self {
         let least = share - SIGMAS * error;

@@ -120,7 +120,7 @@ impl Explained {
         Ok(Stepped { record, finest, micro_steps })
     }
 
-    /// Takes effects back that samples which no fit has seen speak against, or other records of at most so many
+    /// Takes effects back that samples which no fit has seen do not bear out, or other records of at most so many
     /// samples; what they say of the rest.
     ///
     /// # Errors

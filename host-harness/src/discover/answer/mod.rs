@@ -61,8 +61,7 @@ pub fn discover(
 }
 
 /// The same with other records of the joint, to which nothing is fitted: an effect that they speak against
-/// beyond its standard error is only possible; and without kinds that are `withdrawn`, as if they were not
-/// on the list.
+/// is only possible; and without kinds that are `withdrawn`, as if they were not on the list.
 ///
 /// # Errors
 /// As [`discover`]; or another record is driven by another quantity.

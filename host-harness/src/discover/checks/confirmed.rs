@@ -74,9 +74,7 @@ impl Witnessed {
         let own = self.unseen.slope;
         match self.elsewhere {
             // Two witnesses for whom it is there: one of them has to be sure.
-            Some(other) => {
-                own.margin(chance.min(SIGMAS)).min(own.nearer().max(other) - chance).min(other)
-            }
+            Some(other) => own.margin(SIGMAS).min(own.nearer().max(other) - chance).min(other),
             None => own.margin(chance),
         }
     }
