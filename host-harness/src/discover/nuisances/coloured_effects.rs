@@ -112,7 +112,7 @@ fn confirmed(
             break;
         }
         let Unseen { t, slope, .. } = unseen(problem, plain, &stage.fit, &tested)?;
-        if slope.margin(0.0) >= 0.0 {
+        if slope.margin(0.0) > 0.0 {
             return Ok(Some((contender, stage)));
         }
         if slope.nearer() > 0.0 {
