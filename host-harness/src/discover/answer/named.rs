@@ -25,8 +25,7 @@ pub(crate) fn named(
     (weighed, unseen): (&Weighed, &[Witnessed]),
     covariance: &DMatrix<f64>,
 ) -> Vec<Named> {
-    let first = found.scores.iter().filter(|row| row.round == 1);
-    let tried = first.count();
+    let tried = found.tried();
     let names: Vec<_> = found.rounds.iter().map(|round| round.name).collect();
     // What is more than a disturbance may be has a cause of its own, whether it is predicted or not, of which an effect
     // may be a part; but for one that other records bear out.

@@ -55,7 +55,7 @@ pub(crate) fn keep_confirmed(
 
 /// Standard errors that one of all hypotheses exceeds by chance in a twentieth of logs.
 fn by_chance(found: &Search) -> f64 {
-    let tried = found.scores.iter().filter(|row| row.round == 1).count().max(1);
+    let tried = found.tried().max(1);
     Normal::standard().inverse_cdf(1.0 - BY_CHANCE / tried as f64)
 }
 
@@ -236,14 +236,15 @@ mod tests {
     }
 
     #[test]
-    fn chance_is_that_of_all_hypotheses_of_the_first_round() {
+    fn chance_is_that_of_all_hypotheses_that_were_tried_at_once() {
         let (nominal, line) = (trial::motor(), trial::line(12.0));
         let record = Record::new(&trial::log(&nominal, line, 4.0), None);
         let mask = vec![1.0; record.len()];
         let before = trial::fitted(&Problem::new(&record, &mask).rough(), &nominal, &[]);
         let mut found = Search::new(before, &[], expected(&nominal, &record));
         let row = |round| ScoreRow { round, name: String::new(), score: 0.0, refitted: None };
-        found.scores = [1; 10].into_iter().chain([2; 5]).map(row).collect();
+        // A search that went on from what was found has no first round, or one of a few.
+        found.scores = [1; 2].into_iter().chain([2; 10]).chain([3; 5]).map(row).collect();
         // One in two hundred of a normal deviate, and one in twenty.
         assert!((by_chance(&found) - 2.5758).abs() < 1e-4);
         found.scores.clear();

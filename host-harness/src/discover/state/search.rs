@@ -74,6 +74,12 @@ pub(crate) struct CloseSecond {
 }
 
 impl Search {
+    /// How many hypotheses were tried at once, at most.
+    pub(crate) fn tried(&self) -> usize {
+        let of = |round: usize| self.scores.iter().filter(|row| row.round == round).count();
+        self.scores.iter().map(|row| of(row.round)).max().unwrap_or(0)
+    }
+
     /// One that has found nothing yet.
     pub(crate) fn new(before: Stage, withdrawn: &[Kind], expected: Noise) -> Self {
         Self {
