@@ -128,7 +128,7 @@ pub(crate) const APART: f64 = 3.0;
 pub(crate) const SIGMAS: f64 = 1.645;
 /// Slope of errors on what an effect changes of them at which it comes no nearer than none, 1; derived.
 pub(crate) const HALFWAY: f64 = 0.5;
-/// The same at which half of the squares that it changes are gained, 1; derived.
+/// The same at which half of the squares that it changes are gained: false names stay below it; draws.
 pub(crate) const MOSTLY: f64 = 0.75;
 /// Share of the RMS of what drives an equation up to which a remainder does not matter, 1; convention.
 pub(crate) const TOLERANCE: f64 = 0.01;
