@@ -7,12 +7,11 @@
 //! what the regression leaves is uncertain: a slope is sharp where a sum of gains is not, and a moment of slip at which
 //! both models fail weighs little.
 
-use super::blocks::{Blocks, Share};
+use super::blocks::{Blocks, Share, ratio};
 use crate::discover::bounds::{HALFWAY, MOSTLY, SIGMAS};
 use crate::estimate::record::CHANNELS;
 
-/// The slope of the errors without an effect on the change that it makes of them, with its standard error by blocks
-/// (the sandwich of White, Econometrica 48, 1980).
+/// The slope of the errors without an effect on the change that it makes of them, with its standard error by blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope(pub(crate) Share);
 
@@ -37,19 +36,15 @@ impl Slope {
             };
             rows.map(|(row, tested)| if *tested { sum(row) } else { 0.0 }).collect()
         };
-        let changed: f64 = by_sample(&|_, change| change * change).iter().sum();
-        if changed <= 0.0 {
+        let [held, changed] =
+            [by_sample(&|error, change| error * change), by_sample(&|_, change| change * change)];
+        let [sum, whole] = [&held, &changed].map(|series| series.iter().sum::<f64>());
+        if whole <= 0.0 {
             return Self::default();
         }
-        let value = by_sample(&|error, change| error * change).iter().sum::<f64>() / changed;
-        let left = by_sample(&|error, change| (error - value * change) * change);
-        let sums = Blocks::of_series(tested, &left).sums(&left);
-        if sums.len() < 2 {
-            return Self::default();
-        }
-        let count = sums.len() as f64;
-        let squares: f64 = sums.iter().map(|sum| sum * sum).sum();
-        Self(Share { value, error: (squares * count / (count - 1.0)).sqrt() / changed })
+        let left: Vec<f64> = held.iter().zip(&changed).map(|(a, b)| a - sum / whole * b).collect();
+        let blocks = Blocks::of_series(tested, &left);
+        Self(ratio(&blocks.sums(&held), &blocks.sums(&changed)))
     }
 
     /// Its value and one standard error; `None` of what changes nothing.
@@ -146,6 +141,6 @@ mod tests {
         let [errors, other] = [[[1.0, 0.0, 0.0]; 40], [[0.5, 0.0, 0.0]; 40]];
         assert_eq!(Slope::of(&[true; 40], &errors, &errors), Slope::default());
         assert_eq!(Slope::of(&[false; 40], &errors, &other), Slope::default());
-        assert_eq!(Slope::of(&[true], &errors[..1], &other[..1]), Slope::default());
+        assert_eq!(Slope::of(&[true], &errors[..1], &other[..1]).told(), [None; 2]);
     }
 }
