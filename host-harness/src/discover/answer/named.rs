@@ -41,10 +41,15 @@ pub(crate) fn named(
             let unnamed = weighed.budget.as_ref().map_or(f64::NAN, |own| cause(own, unseen));
             let other = found.constant.filter(|constant| round.name.0 == constant.of);
             let other = other.map(|constant| round.gain + constant.lead);
+            // What a regression is certain of is no best of many, that may come nearer by chance.
+            let certain = found.measured.contains(&round.name);
+            let nearer = if certain { f64::INFINITY } else { unseen.t(clean) };
+            // An equation that it has no part in says nothing of it.
+            let least = (share.value - SIGMAS * share.error).max(unseen.of_free_runs());
             // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
             let left = match clean && !fit.noise.is_disturbed() {
                 true => Left::Noise,
-                false => Left::more(unnamed, [share.value, share.error], unseen.t(clean), tried),
+                false => Left::more(unnamed, least, nearer, tried),
             };
             let (confidence, rivals) = confidence(round, &names, left, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
@@ -107,4 +112,45 @@ fn sizes(
         }
     }
     (parameters, errors)
+}
+
+#[cfg(test)]
+mod tests {
+    use joint_core::effect::Kind;
+    use joint_core::params::Location;
+
+    use super::*;
+    use crate::discover::answer::decision::weighed;
+    use crate::discover::candidates::cogging;
+    use crate::discover::state::rounds::Name;
+    use crate::discover::trial;
+    use crate::estimate::fit::Problem;
+    use crate::estimate::noise;
+    use crate::estimate::record::Record;
+
+    #[test]
+    fn what_a_regression_is_certain_of_owes_nothing_to_chance() {
+        let nominal = trial::motor();
+        let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
+        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
+        let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
+        let problem = Problem::new(&record, &mask).rough();
+        let expected = noise::expected(&nominal, &record);
+        let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
+        found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
+        found.rounds.push(trial::round(1e4));
+        // Samples that bear nothing out.
+        let unseen = [Witnessed::default()];
+        let noise = found.after.fit.noise;
+        let (weighed, _) = weighed(&problem, &found, None, &noise, &tested, &unseen).unwrap();
+        let sizes = found.after.fit.coordinates.len();
+        let mut confidence = |measured: &[Name]| {
+            found.measured = measured.to_vec();
+            let covariance = DMatrix::identity(sizes, sizes);
+            let told = (&weighed, &unseen[..]);
+            named((&found, &found.after.fit), 0, false, told, &covariance)[0].confidence
+        };
+        assert!(confidence(&[]) < 0.51);
+        assert!(confidence(&[(Kind::Cogging, Location::Motor)]) > 0.9);
+    }
 }

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::elimination::bare;
-use crate::discover::bounds::{BY_CHANCE, SIGMAS};
+use crate::discover::bounds::{BY_CHANCE, FARTHEST, SIGMAS};
+use crate::discover::evidence::budget::FreeRun;
 use crate::discover::evidence::elsewhere::{Elsewhere, together};
 use crate::discover::evidence::unseen::{Unseen, unseen};
 use crate::discover::state::rounds::Contender;
@@ -16,8 +17,9 @@ use crate::plant::BuildError;
 /// Takes effects back that samples which no fit has seen do not bear out, given the others: they are only possible. An
 /// effect has to come nearer there, and no other record may speak against it. Where what is left is no `noise`, or there
 /// is a disturbance, likelihoods are made of what imitates an effect as well: it has to come nearer by more standard errors
-/// than one of all hypotheses would by chance, there or in other records. Of an effect that a regression is certain of
-/// samples need only not speak against it. Answers with what those samples, and the other records, say of the rest.
+/// than one of all hypotheses would by chance, there or in other records, or free runs have to. Of an effect that a
+/// regression is certain of samples need only not speak against it. Answers with what those samples, and the other records,
+/// say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -60,18 +62,39 @@ fn by_chance(found: &Search) -> f64 {
 }
 
 /// What samples that no fit has seen say of an effect.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Witnessed {
     /// Those of the logs themselves.
     pub(crate) unseen: Unseen,
+    /// Error of free runs over them with the effect, over that without it.
+    pub(crate) free_run: f64,
     /// The t of the other records together; `None` where there are none.
     pub(crate) elsewhere: Option<f64>,
 }
 
+impl Default for Witnessed {
+    /// Of what changes nothing.
+    fn default() -> Self {
+        Self { unseen: Unseen::default(), free_run: 1.0, elsewhere: None }
+    }
+}
+
 impl Witnessed {
+    /// Whether free runs come so much nearer that chance has no part in it: what imitates an effect helps from one sample to
+    /// the next, but not over hundreds.
+    fn runs_nearer(&self) -> bool {
+        FARTHEST * self.free_run <= 1.0
+    }
+
+    /// Share of the squared error of free runs that it explains, where they come so much nearer; else zero.
+    pub(crate) fn of_free_runs(&self) -> f64 {
+        if self.runs_nearer() { 1.0 - self.free_run.powi(2) } else { 0.0 }
+    }
+
     /// By how many standard errors it is borne out beyond what `chance` reaches; below zero where it is not.
     fn margin(&self, chance: f64) -> f64 {
         let own = self.unseen.slope;
+        let chance = if self.runs_nearer() { SIGMAS } else { chance };
         match self.elsewhere {
             // Two witnesses for whom it is there: one of them has to be sure.
             Some(other) => own.margin(SIGMAS).min(own.nearer().max(other) - chance).min(other),
@@ -85,10 +108,11 @@ impl Witnessed {
     }
 
     /// Standard errors by which it comes nearer, here and elsewhere together. Where what is left is no `noise`, errors are
-    /// no measure of themselves, and it has to make the samples likelier as well.
+    /// no measure of themselves, and it has to make the samples likelier or free runs come nearer as well.
     pub(crate) fn t(&self, noise: bool) -> f64 {
         let Unseen { slope, t, .. } = self.unseen;
-        let own = if noise { slope.nearer() } else { slope.nearer().min(t) };
+        let enough = noise || self.runs_nearer();
+        let own = if enough { slope.nearer() } else { slope.nearer().min(t) };
         together(self.elsewhere.into_iter().chain([own]))
     }
 }
@@ -106,13 +130,17 @@ fn asked(
             1 => found.before.clone(),
             _ => bare(problem.rough(), found, k)?,
         };
-        let unseen = unseen(problem, &without.fit, &found.after.fit, tested)?;
+        let fits = [&without.fit, &found.after.fit];
+        let (unseen, runs) = rayon::join(
+            || unseen(problem, fits[0], fits[1], tested),
+            || FreeRun::of(problem.record, fits, &found.expected, tested),
+        );
         let others: Vec<f64> = others
             .iter()
-            .map(|other| other.asked([&without.fit, &found.after.fit], &found.expected))
+            .map(|other| other.asked(fits, &found.expected))
             .collect::<Result<_, _>>()?;
         let elsewhere = (!others.is_empty()).then(|| together(others.iter().copied()));
-        Ok((Witnessed { unseen, elsewhere }, without))
+        Ok((Witnessed { unseen: unseen?, free_run: runs?.factor(), elsewhere }, without))
     };
     (0..rounds).into_par_iter().map(one).collect()
 }
@@ -132,7 +160,8 @@ mod tests {
 
     fn told(value: f64, error: f64, elsewhere: Option<f64>) -> Witnessed {
         let slope = Slope(Share { value, error });
-        Witnessed { unseen: Unseen { slope, ..Unseen::default() }, elsewhere }
+        let unseen = Unseen { slope, ..Unseen::default() };
+        Witnessed { unseen, elsewhere, ..Witnessed::default() }
     }
 
     #[test]
@@ -150,6 +179,13 @@ mod tests {
             let own = told(value, error, elsewhere);
             assert_eq!(own.margin(3.3) >= 0.0, confirmed, "{own:?}");
         }
+        // Free runs come nearer by a little, by far, and nearer though little of it is borne out.
+        for (value, free_run, confirmed) in
+            [(1.0, 0.6, false), (1.0, 0.5, true), (0.6, 0.01, false)]
+        {
+            let own = Witnessed { free_run, ..told(value, 0.2, None) };
+            assert_eq!(own.margin(3.3) >= 0.0, confirmed, "{own:?}");
+        }
     }
 
     #[test]
@@ -163,7 +199,12 @@ mod tests {
         assert!((told(1.0, 0.5, None).t(true) - 1.0).abs() < 1e-12);
         assert!((told(1.0, 0.5, Some(2.0)).t(true) - 3.0 / 2.0_f64.sqrt()).abs() < 1e-12);
         // Samples that are no likelier for it count where what is left is no noise.
-        assert_eq!(told(1.0, 0.5, None).t(false), 0.0);
+        let unlikelier = told(1.0, 0.5, None);
+        assert_eq!(unlikelier.t(false), 0.0);
+        let nearer = Witnessed { free_run: 0.1, ..unlikelier };
+        assert!((nearer.t(false) - 1.0).abs() < 1e-12);
+        assert!((nearer.of_free_runs() - 0.99).abs() < 1e-12);
+        assert_eq!(Witnessed { free_run: 0.7, ..nearer }.of_free_runs(), 0.0);
     }
 
     /// A log of a motor, and a search that has found a line in it which comes nearer on unseen samples by so many standard
