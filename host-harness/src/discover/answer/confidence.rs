@@ -9,7 +9,7 @@
 use statrs::distribution::{ContinuousCDF, Normal as Gaussian};
 
 use super::findings::Rival;
-use crate::discover::bounds::{SEPARATION, UNLISTED};
+use crate::discover::bounds::{SEPARATION, SIGMAS, UNLISTED};
 use crate::discover::state::rounds::{Contender, Name, Round};
 
 /// Most odds that are told.
@@ -25,9 +25,11 @@ pub(crate) enum Left {
 }
 
 impl Left {
-    /// Something that is not noise, of which a generic family predicts the share `unnamed`, beside a name that explains
-    /// `least` at least, and comes nearer on unseen samples by `t` standard errors; as many names were tried.
-    pub(crate) fn more(unnamed: f64, least: f64, t: f64, tried: usize) -> Self {
+    /// Something that is not noise, of which a generic family predicts the share `unnamed`, beside a name
+    /// that explains `share` with its standard error, and comes nearer on unseen samples by `t` of them; as many
+    /// names were tried.
+    pub(crate) fn more(unnamed: f64, [share, error]: [f64; 2], t: f64, tried: usize) -> Self {
+        let least = share - SIGMAS * error;
         if !unnamed.is_finite() || least.is_nan() || least <= 0.0 {
             return Self::More(1.0);
         }
@@ -113,21 +115,21 @@ mod tests {
 
     #[test]
     fn a_remainder_counts_by_what_of_it_is_predictable_beside_what_the_name_explains() {
-        let of = |unnamed: f64, least: f64, t: f64| {
+        let of = |unnamed: f64, share: [f64; 2], t: f64| {
             let name = (Kind::Cogging, Location::Motor);
             let round =
                 Round { name, gain: 5000.0, rivals: Vec::new(), runner_up: None, stays_ahead: 1.0 };
-            confidence(&round, &[name], Left::more(unnamed, least, t, 30), None).0
+            confidence(&round, &[name], Left::more(unnamed, share, t, 30), None).0
         };
         // A large name beside a small remainder, one as large as what is left, and one that may be none.
-        assert!(of(0.05, 0.76, 8.0) > 0.9);
-        assert!((of(0.05, 0.05, 8.0) - 0.5).abs() < 1e-6);
-        assert!((of(0.0, -0.03, 8.0) - 0.5).abs() < 1e-6);
+        assert!(of(0.05, [0.81, 0.03], 8.0) > 0.9);
+        assert!((of(0.05, [0.05, 0.0], 8.0) - 0.5).abs() < 1e-6);
+        assert!((of(0.0, [0.05, 0.05], 8.0) - 0.5).abs() < 1e-6);
         // The best of thirty false names reaches two standard errors every other time.
-        assert!((0.4..0.6).contains(&of(0.0, 0.3, 2.0)));
-        assert!(of(0.0, 0.3, 5.0) > 0.97);
-        assert!((of(0.0, 0.3, -3.0) - 0.5).abs() < 1e-6);
-        assert_eq!(Left::more(0.0, f64::NAN, 5.0, 30), Left::More(1.0));
+        assert!((0.4..0.6).contains(&of(0.0, [0.3, 0.01], 2.0)));
+        assert!(of(0.0, [0.3, 0.01], 5.0) > 0.97);
+        assert!((of(0.0, [0.3, 0.01], -3.0) - 0.5).abs() < 1e-6);
+        assert_eq!(Left::more(0.0, [f64::NAN, 0.0], 5.0, 30), Left::More(1.0));
     }
 
     #[test]

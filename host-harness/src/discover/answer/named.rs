@@ -41,15 +41,12 @@ pub(crate) fn named(
             let unnamed = weighed.budget.as_ref().map_or(f64::NAN, |own| cause(own, unseen));
             let other = found.constant.filter(|constant| round.name.0 == constant.of);
             let other = other.map(|constant| round.gain + constant.lead);
-            // What a regression is certain of is no best of many, that may come nearer by chance.
+            // Beside a disturbance a likelihood is not all: unseen samples are asked as well. What a regression is certain
+            // of stood out from all that is left there.
             let certain = found.measured.contains(&round.name);
-            let nearer = if certain { f64::INFINITY } else { unseen.t(clean) };
-            // An equation that it has no part in says nothing of it.
-            let least = (share.value - SIGMAS * share.error).max(unseen.of_free_runs());
-            // Beside a disturbance a likelihood is not all: unseen samples are asked as well.
-            let left = match clean && !fit.noise.is_disturbed() {
+            let left = match certain || clean && !fit.noise.is_disturbed() {
                 true => Left::Noise,
-                false => Left::more(unnamed, least, nearer, tried),
+                false => Left::more(unnamed, [share.value, share.error], unseen.t(clean), tried),
             };
             let (confidence, rivals) = confidence(round, &names, left, other);
             let (parameters, standard_errors) = sizes(fit, covariance, number, effect);
@@ -129,7 +126,7 @@ mod tests {
     use crate::estimate::record::Record;
 
     #[test]
-    fn what_a_regression_is_certain_of_owes_nothing_to_chance() {
+    fn what_a_regression_is_certain_of_is_no_leak_of_what_is_left() {
         let nominal = trial::motor();
         let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
         let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();

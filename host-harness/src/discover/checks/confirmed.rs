@@ -86,11 +86,6 @@ impl Witnessed {
         FARTHEST * self.free_run <= 1.0
     }
 
-    /// Share of the squared error of free runs that it explains, where they come so much nearer; else zero.
-    pub(crate) fn of_free_runs(&self) -> f64 {
-        if self.runs_nearer() { 1.0 - self.free_run.powi(2) } else { 0.0 }
-    }
-
     /// By how many standard errors it is borne out beyond what `chance` reaches; below zero where it is not.
     fn margin(&self, chance: f64) -> f64 {
         let own = self.unseen.slope;
@@ -203,8 +198,7 @@ mod tests {
         assert_eq!(unlikelier.t(false), 0.0);
         let nearer = Witnessed { free_run: 0.1, ..unlikelier };
         assert!((nearer.t(false) - 1.0).abs() < 1e-12);
-        assert!((nearer.of_free_runs() - 0.99).abs() < 1e-12);
-        assert_eq!(Witnessed { free_run: 0.7, ..nearer }.of_free_runs(), 0.0);
+        assert_eq!(Witnessed { free_run: 0.7, ..nearer }.t(false), 0.0);
     }
 
     /// A log of a motor, and a search that has found a line in it which comes nearer on unseen samples by so many standard
