@@ -98,7 +98,7 @@ pub(crate) const UNSEEN: f64 = 1.15;
 /// The same of a chain of several stages, which lets go at another moment, 1; draws.
 pub(crate) const UNSEEN_OF_MULTIMODAL: f64 = 1.25;
 /// Most free-run error of a model found beside a disturbance over that of one without, and least of a model without an
-/// effect over that of one with it for free runs to bear it out, 1; draws.
+/// effect over that of one with it for free runs to bear it out, or the other way round to take it back, 1; draws.
 pub(crate) const FARTHEST: f64 = 2.0;
 
 // Whether an effect is one that a joint can have.

@@ -18,8 +18,8 @@ use crate::plant::BuildError;
 /// effect has to come nearer there, and no other record may speak against it. Where what is left is no `noise`, or there
 /// is a disturbance, likelihoods are made of what imitates an effect as well: it has to come nearer by more standard errors
 /// than one of all hypotheses would by chance, there or in other records, or free runs have to. Of an effect that a
-/// regression is certain of samples need only not speak against it. Answers with what those samples, and the other records,
-/// say of the rest.
+/// regression is certain of samples need only not speak against it. None stays with which free runs are far farther off.
+/// Answers with what those samples, and the other records, say of the rest.
 ///
 /// # Errors
 /// A model cannot be built.
@@ -35,11 +35,7 @@ pub(crate) fn keep_confirmed(
         let certain = |k: usize| found.measured.contains(&found.rounds[k].name);
         let white = noise && !found.after.fit.noise.is_disturbed();
         let level = if white { SIGMAS } else { by_chance };
-        let short = |k: usize, own: &Witnessed| match certain(k) {
-            true => own.not_against(),
-            false => own.margin(level),
-        };
-        let all = asked.iter().enumerate().map(|(k, (own, _))| (k, short(k, own)));
+        let all = asked.iter().enumerate().map(|(k, (own, _))| (k, own.stays(certain(k), level)));
         let Some((k, _)) = all.filter(|one| one.1 < 0.0).min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(asked.into_iter().map(|(own, _)| own).collect());
         };
@@ -84,6 +80,16 @@ impl Witnessed {
     /// the next, but not over hundreds.
     fn runs_nearer(&self) -> bool {
         FARTHEST * self.free_run <= 1.0
+    }
+
+    /// By how many standard errors an effect stays, one that a regression is `certain` of or one that has to exceed what
+    /// `chance` reaches; below zero where it does not.
+    fn stays(&self, certain: bool, chance: f64) -> f64 {
+        match certain {
+            _ if self.free_run > FARTHEST => f64::NEG_INFINITY,
+            true => self.not_against(),
+            false => self.margin(chance),
+        }
     }
 
     /// By how many standard errors it is borne out beyond what `chance` reaches; below zero where it is not.
@@ -180,6 +186,13 @@ mod tests {
         {
             let own = Witnessed { free_run, ..told(value, 0.2, None) };
             assert_eq!(own.margin(3.3) >= 0.0, confirmed, "{own:?}");
+        }
+        // Whatever samples say, an effect that runs far farther off does not stay.
+        for (free_run, stay) in [(1.9, true), (2.1, false), (f64::INFINITY, false)] {
+            let own = Witnessed { free_run, ..told(1.0, 0.01, Some(9.0)) };
+            assert!(
+                [false, true].into_iter().all(|certain| (own.stays(certain, 3.3) > 0.0) == stay)
+            );
         }
     }
 
