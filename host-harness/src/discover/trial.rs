@@ -5,10 +5,13 @@ use joint_core::effect::{EffectParameters, Kind};
 use joint_core::params::Location;
 
 use crate::demo::actuator;
+use crate::discover::candidates::cogging;
 use crate::discover::candidates::hypothesis::Hypothesis;
 use crate::discover::state::rounds::Round;
+use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
 use crate::estimate::fit::Problem;
+use crate::estimate::record::Record;
 use crate::estimate::{noise, refit};
 use crate::log::Log;
 use crate::model::Model;
@@ -36,6 +39,22 @@ pub(super) fn log(nominal: &Model, effect: EffectParameters, volts: f64) -> Log 
     let push = |k: i32| volts * (f64::from(k) * 4e-3).sin();
     let voltage_v = Some((0..6000).map(push).collect());
     record(&truth, &Experiment { voltage_v, ..Experiment::clean(0.6) }, 5).unwrap()
+}
+
+/// Samples of a record that no fit sees, the last three tenths of every thousand, and the weights of all in a fit.
+pub(super) fn split(record: &Record) -> (Vec<bool>, Vec<f64>) {
+    let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
+    let weights = tested.iter().map(|tested| f64::from(u8::from(!tested))).collect();
+    (tested, weights)
+}
+
+/// A search that has found the line of order 12.
+pub(super) fn searched(problem: &Problem<'_>, nominal: &Model) -> Search {
+    let expected = noise::expected(nominal, problem.record);
+    let mut found = Search::new(fitted(problem, nominal, &[]), &[], expected);
+    found.after = fitted(problem, nominal, &[cogging::line(12.0, 0.01, false)]);
+    found.rounds.push(round(1e4));
+    found
 }
 
 /// The nominal with these effects, refitted.

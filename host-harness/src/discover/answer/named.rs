@@ -118,24 +118,18 @@ mod tests {
 
     use super::*;
     use crate::discover::answer::decision::weighed;
-    use crate::discover::candidates::cogging;
     use crate::discover::state::rounds::Name;
     use crate::discover::trial;
     use crate::estimate::fit::Problem;
-    use crate::estimate::noise;
     use crate::estimate::record::Record;
 
     #[test]
     fn what_a_regression_is_certain_of_is_no_leak_of_what_is_left() {
         let nominal = trial::motor();
         let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
-        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
-        let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
+        let (tested, mask) = trial::split(&record);
         let problem = Problem::new(&record, &mask).rough();
-        let expected = noise::expected(&nominal, &record);
-        let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
-        found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
-        found.rounds.push(trial::round(1e4));
+        let mut found = trial::searched(&problem, &nominal);
         // Samples that bear nothing out.
         let unseen = [Witnessed::default()];
         let noise = found.after.fit.noise;

@@ -88,24 +88,18 @@ pub(crate) fn unnamed(rest: &Rest, of: f64) -> Option<Named> {
 mod tests {
     use super::*;
     use crate::discover::answer::decision::weighed;
-    use crate::discover::candidates::cogging;
     use crate::discover::checks::confirmed::keep_confirmed;
     use crate::discover::trial;
     use crate::estimate::fit::Problem;
-    use crate::estimate::noise;
     use crate::estimate::record::Record;
 
     #[test]
     fn a_line_that_is_there_is_kept_one_the_wrong_way_round_is_taken_back_and_each_keeps_a_share() {
         let nominal = trial::motor();
         let record = Record::new(&trial::log(&nominal, trial::line(12.0), 4.0), None);
-        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
-        let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
+        let (tested, mask) = trial::split(&record);
         let problem = Problem::new(&record, &mask).rough();
-        let expected = noise::expected(&nominal, &record);
-        let mut found = Search::new(trial::fitted(&problem, &nominal, &[]), &[], expected);
-        found.after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);
-        found.rounds.push(trial::round(1e4));
+        let mut found = trial::searched(&problem, &nominal);
         let mut wrong = found.clone();
         let unseen = keep_confirmed(&problem, &mut found, (&tested, &[]), true).unwrap();
         assert!(found.rounds.len() == 1 && unseen[0].t(true) > 0.0);

@@ -231,8 +231,7 @@ mod tests {
             let line = trial::line(12.0).with("amplitude_nm", size(k));
             let log = trial::log(&nominal, line.with("amplitude_nm", hidden * size(k)), 4.0);
             let record = Record::new(&log, None);
-            let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
-            let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(!tested))).collect();
+            let (tested, mask) = trial::split(&record);
             let problem = Problem::new(&record, &mask).rough();
             let before = trial::fitted(&problem, &nominal, &[]);
             let mut found = Search::new(before, &[], expected(&nominal, &record));

@@ -163,8 +163,7 @@ mod tests {
         let voltage_v = Some((0..25_000).map(swing).collect());
         let log = record(&truth, &Experiment { voltage_v, ..Experiment::clean(5.0) }, 5).unwrap();
         let record = Record::new(&log, None);
-        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
-        let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
+        let (tested, mask) = trial::split(&record);
         let problem = Problem::new(&record, &mask).rough();
         let expected = noise::expected(&nominal, &record);
         let named = trial::fitted(&problem, &nominal, &[]);

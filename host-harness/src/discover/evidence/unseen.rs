@@ -89,8 +89,7 @@ mod tests {
         let nominal = trial::motor();
         let line = trial::line(12.0).with("amplitude_nm", 0.02 * hidden);
         let record = Record::new(&trial::log(&nominal, line, 4.0), None);
-        let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
-        let mask: Vec<f64> = tested.iter().map(|t| if *t { 0.0 } else { 1.0 }).collect();
+        let (tested, mask) = trial::split(&record);
         let problem = Problem::new(&record, &mask).rough();
         let without = trial::fitted(&problem, &nominal, &[]);
         let with = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]);

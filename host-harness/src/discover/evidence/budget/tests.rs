@@ -136,8 +136,7 @@ fn hidden(times: f64) -> Record {
 #[test]
 fn a_line_is_weighed_by_what_the_rotor_misses_without_it() {
     let (nominal, record) = (trial::motor(), hidden(1.0));
-    let tested: Vec<bool> = (0..record.len()).map(|k| k % 1000 >= 700).collect();
-    let mask: Vec<f64> = tested.iter().map(|tested| f64::from(u8::from(!tested))).collect();
+    let (tested, mask) = trial::split(&record);
     let problem = Problem::new(&record, &mask).rough();
     let before = trial::fitted(&problem, &nominal, &[]).fit;
     let mut after = trial::fitted(&problem, &nominal, &[cogging::line(12.0, 0.01, false)]).fit;
