@@ -127,13 +127,14 @@ impl Explained {
     /// A model cannot be built, or another record is driven by another quantity.
     pub(crate) fn confirm(
         &mut self,
-        (stepped, split): (&Stepped, &Split),
+        (record, micro_steps): (&Record, u32),
+        split: &Split,
         (others, most_samples): (&[Log], usize),
     ) -> Result<Vec<Witnessed>, DiscoverError> {
-        let problem = Problem::new(&stepped.record, &split.fitted);
+        let problem = Problem::new(record, &split.fitted);
         let names = self.found.rounds.len();
-        let like = (most_samples, stepped.micro_steps);
-        let others = others.iter().map(|log| Elsewhere::new(log, &stepped.record, like));
+        let like = (most_samples, micro_steps);
+        let others = others.iter().map(|log| Elsewhere::new(log, record, like));
         let others: Vec<_> = others.collect::<Result<_, _>>()?;
         let noise = self.left.complaints(false).is_empty();
         let found = &mut self.found;

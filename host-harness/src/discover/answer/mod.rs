@@ -91,13 +91,17 @@ pub fn discover_beside(
     let Searched { record, micro_steps, late, mut explained } = searched;
     let given = nominal;
     let nominal = late.as_ref().unwrap_or(nominal);
+    // Step 5: every effect asked on samples that no fit has seen, and what stays again at finer steps.
+    let others = (others, MOST_SAMPLES);
+    let mut unseen = explained.confirm((&record, micro_steps), &split, others)?;
     let stepped = explained.step(record, micro_steps, &split)?;
+    if stepped.micro_steps != micro_steps {
+        unseen = explained.confirm((&stepped.record, stepped.micro_steps), &split, others)?;
+    }
     if !interrupt::asked() {
         let problem = Problem::new(&stepped.record, &split.fitted);
         ask_alike(&problem, &mut explained.found);
     }
-    // Step 5: every effect asked on samples that no fit has seen.
-    let unseen = explained.confirm((&stepped, &split), (others, MOST_SAMPLES))?;
     // Steps 6 to 8, and 11: whether the rest is noise, the gap, where it is, and what to measure next.
     bar.set_message("locating what is left, and what to measure next");
     let Explained { shape, found, left } = &explained;
