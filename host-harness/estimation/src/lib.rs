@@ -13,6 +13,7 @@ pub mod coordinates;
 mod covariance;
 mod descent;
 mod encoders;
+mod energy;
 pub mod filter;
 pub mod finer;
 pub mod fit;

@@ -9,6 +9,7 @@ use joint_core::params::Location;
 use joint_core::scalar::Scalar;
 
 use crate::covariance::Covariance;
+use crate::energy::Energy;
 use crate::gains::{Equation, Walk};
 use crate::late::Late;
 use crate::motion::caught;
@@ -81,6 +82,8 @@ pub struct Observer<'a> {
     pub(super) layout: Layout,
     pub(super) shaft: f64,
     inertia: Vec<f64>,
+    /// What a derivative is believed by.
+    pub(super) energy: Energy,
     /// Of the rotor and of the last mass: how they feel a noise of the reversal.
     reversals: [Reversal; 2],
     pub(super) known: Known,
@@ -101,6 +104,8 @@ impl<'a> Observer<'a> {
         let layout = Layout::of(model);
         let inertia = inertias(model);
         let reversals = Reversal::of(model, &inertia);
+        let interval = record.grid.typical_interval();
+        let energy = Energy::of(model, record.drive, &inertia, interval);
         let known = Known::of(model);
         let shaft = output_shaft(model);
         let late = Late::of(model, record);
@@ -125,6 +130,7 @@ impl<'a> Observer<'a> {
             layout,
             shaft,
             inertia,
+            energy,
             reversals,
             known,
             late,

@@ -105,6 +105,7 @@ impl Explained {
         micro_steps: u32,
         split: &Split,
     ) -> Result<Stepped, BuildError> {
+        self.found.bar.set_message("asking whether finer steps explain what is left");
         let sound = self.left.complaints(false).is_empty() && !is_suspect(&self.found);
         let finest = record.refined(micro_steps * FINEST);
         let finer = if sound { record.refined(micro_steps * FINER) } else { finest.clone() };
@@ -131,6 +132,7 @@ impl Explained {
         split: &Split,
         (others, most_samples): (&[Log], usize),
     ) -> Result<Vec<Witnessed>, DiscoverError> {
+        self.found.bar.set_message("asking each effect on samples that no fit has seen");
         let problem = Problem::new(record, &split.fitted);
         let names = self.found.rounds.len();
         let like = (most_samples, micro_steps);

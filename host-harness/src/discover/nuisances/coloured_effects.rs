@@ -43,7 +43,8 @@ pub(crate) fn grow(problem: &Problem<'_>, search: &mut Search) -> Result<(), Bui
     let full = |search: &Search| search.after.origin.effects.len() + 2 >= MAX_EFFECTS;
     while search.rounds.len() < MOST_EFFECTS_DISTURBED && !full(search) && !interrupt::asked() {
         let round = search.rounds.len() + 1;
-        search.tell(round, "scoring the known effects beside a disturbance");
+        let what = "scoring the known effects beside a disturbance";
+        search.tell_of(MOST_EFFECTS_DISTURBED, round, what);
         if !add(problem, search, round)? {
             break;
         }

@@ -6,7 +6,12 @@ use crate::discover::bounds::MOST_EFFECTS;
 impl Search {
     /// Tells what is tried in a round.
     pub(crate) fn tell(&self, round: usize, what: &str) {
-        self.bar.set_message(format!("effect {round} of at most {MOST_EFFECTS}: {what}"));
+        self.tell_of(MOST_EFFECTS, round, what);
+    }
+
+    /// The same where there may be another number of rounds at most.
+    pub(crate) fn tell_of(&self, most: usize, round: usize, what: &str) {
+        self.bar.set_message(format!("effect {round} of at most {most}: {what}"));
     }
 
     /// Tells how many names were scored, and how many of them are fitted next.
