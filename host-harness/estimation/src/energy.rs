@@ -66,7 +66,7 @@ impl Energy {
             let [own, growing] = self.units[*number];
             let square = x.get(*number).map_or(0.0, |x| x * x);
             let gained = self.gained(*number, derivatives);
-            own > 0.0 && !(gained <= most * (own + growing * square))
+            own > 0.0 && (gained.is_nan() || gained > most * (own + growing * square))
         })
     }
 

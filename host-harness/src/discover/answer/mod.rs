@@ -99,8 +99,9 @@ pub fn discover_beside(
         unseen = explained.confirm((&stepped.record, stepped.micro_steps), &split, others)?;
     }
     if !interrupt::asked() {
-        let problem = Problem::new(&stepped.record, &split.fitted);
-        ask_alike(&problem, &mut explained.found);
+        let problems =
+            [&stepped.record, &stepped.finest].map(|own| Problem::new(own, &split.fitted));
+        ask_alike(problems.each_ref(), &mut explained.found);
     }
     // Steps 6 to 8, and 11: whether the rest is noise, the gap, where it is, and what to measure next.
     bar.set_message("locating what is left, and what to measure next");

@@ -4,50 +4,90 @@
 //! may hardly tell them apart. So what an effect's card says to be alike is fitted in its place, and is its rival.
 
 use super::bootstrap::stays_ahead;
+use crate::discover::bounds::FAR_BEHIND;
 use crate::discover::candidates::card;
 use crate::discover::candidates::rules::Alike;
 use crate::discover::state::constant::Constant;
 use crate::discover::state::rounds::Contender;
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
-use crate::estimate::fit::Problem;
-use crate::estimate::refit::cost;
+use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::refit::{cost, polish};
+use crate::plant::BuildError;
 
-/// Fits what shows the same in the place of each effect that was named. Where that has a name it is a rival; where it
-/// is a constant torque, and comes nearer than any other name, it is what the next experiment is to decide about. What
-/// cannot be fitted is no rival.
-pub(crate) fn ask_alike(problem: &Problem<'_>, search: &mut Search) {
+/// Fits what shows the same in the place of each effect that was named. Where that has a name the likelier of both is
+/// named, and the other is its rival; where it is a constant torque, and comes nearer than any other name, it is what the
+/// next experiment is to decide about. Near ones are told apart at the `finest` steps, since a step that is left out may be
+/// more than what they differ by. What cannot be fitted is no rival.
+pub(crate) fn ask_alike([problem, finest]: [&Problem<'_>; 2], search: &mut Search) {
     for k in 0..search.rounds.len() {
         let place = search.place(k);
         let model = &search.after.fit.model;
         let effect = &model.effects[place];
         let alike = (card(effect.kind).rules.alike)(effect, model, problem.record);
-        let Some(Alike { hypothesis, start, constant }) = alike else { continue };
-        if constant.is_none() && search.withdrawn.contains(&start.kind) {
+        let Some(alike) = alike else { continue };
+        if alike.constant.is_none() && search.withdrawn.contains(&alike.start.kind) {
             continue;
         }
-        let (both, own) = ([hypothesis.start, start], hypothesis.coordinates(place));
-        let stage = search.after.instead(problem, &search.expected, place, both, &own);
-        let Ok(stage) = stage else { continue };
-        let after = &search.after.fit;
-        let lead = cost(after) - cost(&stage.fit);
-        if !lead.is_finite() {
+        let asked = &*search;
+        let at = |problem: &Problem<'_>, fit: &Fit| {
+            beside(problem, (asked, fit), (place, &alike)).ok().flatten()
+        };
+        let Some(Beside { mut lead, mut ahead, stage }) = at(problem, &search.after.fit) else {
             continue;
+        };
+        if lead.abs() < FAR_BEHIND {
+            let Stage { fit, origin } = &search.after;
+            let (moved, expected) = (&fit.coordinates, &search.expected);
+            let finer = polish(finest, origin, &fit.model, moved, expected, &fit.noise);
+            if let Some(finer) = finer.ok().and_then(|fit| at(finest, &fit)) {
+                (lead, ahead) = (finer.lead, finer.ahead);
+            }
         }
-        let ahead = |rival: &Stage| stays_ahead(after, &[&rival.fit], problem.mask);
         let round = &mut search.rounds[k];
         let gain = round.gain + lead;
+        let Alike { hypothesis, constant, .. } = alike;
         let Some(value) = constant else {
-            round.rivalled(Contender { name: hypothesis.name(), gain }, stage, ahead);
+            let contender = Contender { name: hypothesis.name(), gain };
+            if lead <= 0.0 {
+                round.rivalled(contender, stage, |_| ahead);
+            } else {
+                let before = std::mem::replace(&mut search.after, stage);
+                round.renamed(contender, before, 1.0 - ahead);
+            }
             continue;
         };
         let torque_nm = stage.fit.model.effects[place].values[value];
         if round.rivals.first().is_none_or(|rival| rival.gain < gain) {
-            round.stays_ahead = round.stays_ahead.min(ahead(&stage));
+            round.stays_ahead = round.stays_ahead.min(ahead);
             round.runner_up = Some(stage);
         }
         search.constant = Some(Constant { of: round.name.0, lead, torque_nm });
     }
+}
+
+/// What shows the same, in the place of an effect.
+struct Beside {
+    /// By how much it is the likelier.
+    lead: f64,
+    /// Share of the logs drawn anew in which the effect stays ahead of it.
+    ahead: f64,
+    stage: Stage,
+}
+
+/// Fits what is `alike` in the place of an effect of a `fit`; `None` where it is non-finite.
+fn beside(
+    problem: &Problem<'_>,
+    (search, fit): (&Search, &Fit),
+    (place, alike): (usize, &Alike),
+) -> Result<Option<Beside>, BuildError> {
+    let Alike { hypothesis, start, .. } = alike;
+    let named = Stage { fit: fit.clone(), origin: search.after.origin.clone() };
+    let (both, own) = ([hypothesis.start, *start], hypothesis.coordinates(place));
+    let stage = named.instead(problem, &search.expected, place, both, &own)?;
+    let lead = cost(fit) - cost(&stage.fit);
+    let ahead = stays_ahead(fit, &[&stage.fit], problem.mask);
+    Ok(lead.is_finite().then_some(Beside { lead, ahead, stage }))
 }
 
 #[cfg(test)]
@@ -58,7 +98,9 @@ mod tests {
     use joint_core::params::Location;
 
     use super::*;
+    use crate::demo::actuator;
     use crate::discover::candidates::gravity;
+    use crate::discover::candidates::hypothesis::{Free, Hypothesis};
     use crate::discover::state::rounds::Round;
     use crate::discover::trial;
     use crate::estimate::noise;
@@ -82,7 +124,7 @@ mod tests {
             runner_up: None,
             stays_ahead: 1.0,
         });
-        ask_alike(&problem, &mut search);
+        ask_alike([&problem; 2], &mut search);
         search
     }
 
@@ -117,5 +159,36 @@ mod tests {
         assert!((constant.torque_nm / -TORQUE_NM - 1.0).abs() < 0.05, "{constant:?}");
         let rival = search.rounds[0].runner_up.as_ref().unwrap();
         assert_eq!(rival.fit.model.effects[0].kind, Kind::Cogging);
+    }
+
+    #[test]
+    fn the_likelier_of_two_that_show_the_same_has_the_name_and_the_other_is_its_rival() {
+        let nominal = actuator();
+        let gear = EffectParameters::new(Kind::TransmissionError, Location::Stage(1))
+            .with("amplitude_rad", 2e-3)
+            .with("order", 1.0);
+        let shown = EffectParameters::new(Kind::EncoderEccentricity, Location::OutputEncoder)
+            .with("amplitude_rad", 2e-3)
+            .with("order", 9.0);
+        let named = Hypothesis {
+            start: gear.with("amplitude_rad", 0.0),
+            free: vec![Free::Phasor { amplitude: 0, scale: 1e-3, sigma: 100.0 }],
+        };
+        let names = [&gear, &shown].map(|effect| (effect.kind, effect.location));
+        for (hidden, stays) in [(gear, true), (shown, false)] {
+            let record = Record::new(&trial::log(&nominal, hidden, 12.0), None);
+            let mask = vec![1.0; record.len()];
+            let problem = Problem::new(&record, &mask).rough();
+            let before = trial::fitted(&problem, &nominal, &[]);
+            let mut search = Search::new(before, &[], noise::expected(&nominal, &record));
+            search.after = trial::fitted(&problem, &nominal, std::slice::from_ref(&named));
+            search.rounds.push(Round { name: names[0], ..trial::round(100.0) });
+            ask_alike([&problem; 2], &mut search);
+            let round = &search.rounds[0];
+            let [of, other] = if stays { names } else { [names[1], names[0]] };
+            assert_eq!((round.name, round.rivals[0].name), (of, other));
+            assert_eq!(search.after.fit.model.effects[0].kind, of.0);
+            assert!(round.gain > round.rivals[0].gain && round.stays_ahead > 0.5, "{round:?}");
+        }
     }
 }

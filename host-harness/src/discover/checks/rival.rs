@@ -40,6 +40,16 @@ impl Stage {
 }
 
 impl Round {
+    /// Gives the name to a rival, with which the log is the likelier; the name that it had, fitted `before`, is that one's
+    /// rival, and the new one stays `ahead` of it in that share of the logs drawn anew.
+    pub(crate) fn renamed(&mut self, to: Contender, before: Stage, ahead: f64) {
+        let Contender { name, gain } = to;
+        self.rivals.retain(|known| known.name != name);
+        let own = Contender { name: self.name, gain: self.gain };
+        (self.name, self.gain) = (name, gain);
+        self.rivalled(own, before, |_| ahead);
+    }
+
     /// Takes in a rival unless its name is there already and explains as much; the best one's fit is kept
     /// for the next experiment, and the name stays `ahead` of it in that share of the logs drawn anew.
     pub(crate) fn rivalled(
