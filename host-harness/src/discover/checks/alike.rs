@@ -4,7 +4,7 @@
 //! may hardly tell them apart. So what an effect's card says to be alike is fitted in its place, and is its rival.
 
 use super::bootstrap::stays_ahead;
-use crate::discover::bounds::FAR_BEHIND;
+use crate::discover::bounds::{FAR_BEHIND, SEPARATION};
 use crate::discover::candidates::card;
 use crate::discover::candidates::rules::Alike;
 use crate::discover::state::constant::Constant;
@@ -16,9 +16,10 @@ use crate::estimate::refit::{cost, polish};
 use crate::plant::BuildError;
 
 /// Fits what shows the same in the place of each effect that was named. Where that has a name the likelier of both is
-/// named, and the other is its rival; where it is a constant torque, and comes nearer than any other name, it is what the
-/// next experiment is to decide about. Near ones are told apart at the `finest` steps, since a step that is left out may be
-/// more than what they differ by. What cannot be fitted is no rival.
+/// named, the one that was found if nothing separates them, and the other is its rival; where it is a constant torque, and
+/// comes nearer than any other name, it is what the next experiment is to decide about. Near ones are told apart at the
+/// `finest` steps, since what coarser ones leave out may be more than what they differ by. What cannot be fitted is no
+/// rival.
 pub(crate) fn ask_alike([problem, finest]: [&Problem<'_>; 2], search: &mut Search) {
     for k in 0..search.rounds.len() {
         let place = search.place(k);
@@ -49,11 +50,12 @@ pub(crate) fn ask_alike([problem, finest]: [&Problem<'_>; 2], search: &mut Searc
         let Alike { hypothesis, constant, .. } = alike;
         let Some(value) = constant else {
             let contender = Contender { name: hypothesis.name(), gain };
-            if lead <= 0.0 {
-                round.rivalled(contender, stage, |_| ahead);
-            } else {
+            if lead > SEPARATION {
                 let before = std::mem::replace(&mut search.after, stage);
                 round.renamed(contender, before, 1.0 - ahead);
+            } else {
+                // Of two that nothing separates either may be ahead in another draw, which their odds tell already.
+                round.rivalled(contender, stage, |_| if lead < -SEPARATION { ahead } else { 1.0 });
             }
             continue;
         };
