@@ -15,11 +15,13 @@ use crate::late::Late;
 use crate::motion::caught;
 use crate::record::{CHANNELS, Channel, Motion, Record};
 use crate::reversal::Reversal;
-use crate::scales::{Known, Scales, UNKNOWN};
+use crate::scales::{Known, Scales};
 use joint_simulation::layout::remembers;
 use joint_simulation::model::Model;
 use joint_simulation::plant::{Layout, Plant, inertias, output_shaft};
 
+/// How much less is known of a joint in motion than at rest.
+const UNKNOWN: f64 = 10.0;
 /// One sigma there of what an effect remembers, which is about one where it has lasted.
 const REMEMBERED: f64 = 0.5;
 /// Samples from which the speed of a joint in motion is taken, at most.

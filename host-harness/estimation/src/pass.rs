@@ -16,10 +16,6 @@ use super::record::Channel;
 use super::scales::Scales;
 use joint_simulation::lanes::Linear;
 
-/// Sigmas of an innovation from which on a filter is lost: the joint slips where its model sticks, and it would follow that
-/// one for as long as that rests. What it knew of the state is forgotten then.
-const LOST: f64 = 30.0;
-
 /// How far a filter has come, and what it takes along.
 pub(super) struct Pass<'p, 'a, 'l> {
     observer: &'p Observer<'a>,
@@ -99,7 +95,7 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
 
     /// Takes what a sensor has measured, if it has.
     fn take(&mut self, k: usize, channel: Channel, keep: &mut impl Keep) {
-        let Self { observer, noise, walks, scales, x, p, scratch, .. } = self;
+        let Self { observer, noise, walks, x, p, scratch, .. } = self;
         let c = channel as usize;
         let measured = observer.late.measured[k][c];
         if !measured.is_finite() {
@@ -123,10 +119,6 @@ impl<'p, 'a, 'l> Pass<'p, 'a, 'l> {
         }
         keep.taken(k, c, error, weight, &scratch.gain);
         p.add_square(-weight * weight, &scratch.column);
-        if error.abs() > LOST {
-            let unknown = scales.unknown(&observer.layout).enumerate();
-            unknown.for_each(|(state, sigma)| p.add_variance(state, sigma * sigma));
-        }
     }
 
     /// The state one interval forward, and its derivatives where they are not known.
@@ -284,12 +276,10 @@ mod tests {
     use crate::noise::expected;
     use crate::record::Record;
     use crate::replicate::replicate;
-    use joint_simulation::demo::actuator;
     use joint_simulation::log::Log;
     use joint_simulation::model::Model;
     use joint_simulation::plant::plant;
     use joint_simulation::scenario::paper;
-    use joint_simulation::synthetic::{Experiment, record};
 
     /// The paper's joint in a slow multisine, as it would have made it itself, at one micro-step per sample.
     fn reversing(model: &Model, volts: f64) -> Record {
@@ -326,24 +316,5 @@ mod tests {
             });
             assert!(believed && run.states.iter().flatten().all(|x| x.is_finite()), "{volts}");
         }
-    }
-
-    #[test]
-    fn a_filter_that_sticks_where_the_joint_slips_is_not_lost_for_long() {
-        let mut model = actuator();
-        model.stages.clear();
-        let slow = |k: i32| 0.25 * (f64::from(k) * 2e-3).sin();
-        let voltage_v = Some((0..10_000).map(slow).collect());
-        let log = record(&model, &Experiment { voltage_v, ..Experiment::clean(2.0) }, 3).unwrap();
-        let record = Record::new(&log, None);
-        let noise = expected(&model, &record);
-        model.motor.friction.coulomb_nm *= 4.0;
-        let plant = plant(&model, &record.grid, record.drive).unwrap();
-        let observer = Observer::new(&model, &*plant, &record);
-        let (_, run) = observer.design(&noise, &[]);
-        let lost = |row: &[f64; 3]| row.iter().any(|error| error.abs() > LOST);
-        let longest = run.innovations.chunk_by(|a, b| lost(a) == lost(b));
-        let longest = longest.filter(|rows| lost(&rows[0])).map(<[_]>::len).max();
-        assert!(longest.is_some_and(|samples| samples < 20), "{longest:?}");
     }
 }

@@ -7,9 +7,6 @@ use super::record::{CHANNELS, Channel, Record};
 use joint_simulation::model::Model;
 use joint_simulation::plant::Layout;
 
-/// How much less is known of a joint in motion than at rest.
-pub(super) const UNKNOWN: f64 = 10.0;
-
 /// What a model tells of its scales.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
@@ -23,19 +20,6 @@ pub(super) struct Known {
 pub(super) struct Scales {
     pub(super) start_sigma: Vec<f64>,
     pub(super) steps: Vec<f64>,
-}
-
-impl Scales {
-    /// One sigma of every number of the state of a joint in motion of which nothing but the encoder is known.
-    pub(super) fn unknown(&self, layout: &Layout) -> impl Iterator<Item = f64> {
-        let remembered = layout.memory(0)..layout.len();
-        let sigmas = self.start_sigma.iter().enumerate();
-        sigmas.map(move |(state, sigma)| match state {
-            Layout::ANGLE => *sigma,
-            _ if remembered.contains(&state) => 0.0,
-            _ => UNKNOWN * sigma,
-        })
-    }
 }
 
 impl Known {
