@@ -52,7 +52,18 @@ pub(crate) fn linear_step(
     let expected = search.expected;
     let polished = contending.into_par_iter().map(|(hypothesis, stage)| {
         let noise = stage.fit.noise;
-        Ok((hypothesis, full(&problem, stage, &expected, &noise)?))
+        let stage = full(&problem, stage, &expected, &noise)?;
+        // One more effect is never worse: the part of a long record that fits begin with has led this one astray.
+        if problem.scout.is_none() || cost(&stage.fit) <= cost(&base.fit) {
+            return Ok((hypothesis, stage));
+        }
+        let whole = Problem { scout: None, ..problem };
+        let (start, near) = (hypothesis.added(&base.fit.model), scored.test.jacobian());
+        let noise = &base.fit.noise;
+        let again = short_ahead(&whole, (&base, hypothesis), (&start, near), noise, ROUNDS)?;
+        let again = full(&whole, again, &expected, noise)?;
+        let better = cost(&again.fit) < cost(&stage.fit);
+        Ok((hypothesis, if better { again } else { stage }))
     });
     // The base gets the same last refinement of its noise as its challengers have.
     let refined = || {
