@@ -1,4 +1,4 @@
-//! Whether a derivative is believed: no small step of a state, or of the drive, gains many times its energy in an
+//! Whether a derivative is believed: no small step of a state, or of the drive, gains a thousandfold of its energy in an
 //! interval.
 //!
 //! Springs and friction add no energy; friction that falls with speed lets a step grow a little. A stepped joint may jump
@@ -12,7 +12,7 @@ use joint_simulation::model::Model;
 use joint_simulation::plant::Layout;
 
 /// Most times the amplitude of a step that speeds gain in an interval.
-const MOST_GAIN: f64 = 10.0;
+const MOST_GAIN: f64 = 100.0;
 
 /// How much energy is in a joint's state.
 #[derive(Clone, Debug)]
