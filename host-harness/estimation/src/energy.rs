@@ -1,4 +1,4 @@
-//! Whether a derivative is believed: no small step of a state, or of the drive, gains a thousandfold of its energy in an
+//! Whether a derivative is believed: no small step of a state, or of the drive, gains a hundredfold in an
 //! interval.
 //!
 //! Springs and friction add no energy; friction that falls with speed lets a step grow a little. A stepped joint may jump
