@@ -11,15 +11,14 @@ use joint_core::per_unit::Bases;
 use joint_simulation::model::Model;
 use joint_simulation::plant::Layout;
 
-/// Most times the amplitude of a step that speeds gain in an interval.
+/// Most times the amplitude of a step that speeds gain in an interval: friction that falls with speed makes tens of it where
+/// samples are long, a jump thousands.
 const MOST_GAIN: f64 = 100.0;
 
 /// How much energy is in a joint's state.
 #[derive(Clone, Debug)]
 pub(super) struct Energy {
     layout: Layout,
-    /// By mass, reflected to the motor, kg m².
-    inertia: Vec<f64>,
     /// By number of the state, the drive last: twice the energy of a unit of it, and what that grows by with its square,
     /// J; zero where it has none.
     units: Vec<[f64; 2]>,
@@ -51,7 +50,7 @@ impl Energy {
             units[layout.speed(mass)][0] = *inertia;
             units[layout.bristle(mass)][0] = bent(friction);
         }
-        Self { layout, inertia: inertia.to_vec(), units }
+        Self { layout, units }
     }
 
     /// The numbers of a state, and the drive's, whose steps gain more than is believed, by the derivatives of the next
@@ -73,10 +72,12 @@ impl Energy {
     /// Twice the energy that a unit of a number gives to the speeds, J.
     pub(super) fn gained(&self, number: usize, (by_state, by_drive): (&[f64], &[f64])) -> f64 {
         let n = self.layout.len();
-        let change = |mass: usize| {
+        let gained = |mass: usize| {
             let speed = self.layout.speed(mass);
-            if number == n { by_drive[speed] } else { by_state[speed * n + number] }
+            let [inertia, _] = self.units[speed];
+            let change = if number == n { by_drive[speed] } else { by_state[speed * n + number] };
+            inertia * change.powi(2)
         };
-        self.inertia.iter().enumerate().map(|(mass, own)| own * change(mass).powi(2)).sum()
+        (0..=self.layout.stages).map(gained).sum()
     }
 }

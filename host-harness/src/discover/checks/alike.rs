@@ -11,7 +11,8 @@ use crate::discover::state::constant::Constant;
 use crate::discover::state::rounds::Contender;
 use crate::discover::state::search::Search;
 use crate::discover::state::stage::Stage;
-use crate::estimate::fit::{Fit, Problem};
+use crate::estimate::filter::Noise;
+use crate::estimate::fit::Problem;
 use crate::estimate::refit::{cost, polish};
 use crate::plant::BuildError;
 
@@ -30,18 +31,19 @@ pub(crate) fn ask_alike([problem, finest]: [&Problem<'_>; 2], search: &mut Searc
         if alike.constant.is_none() && search.withdrawn.contains(&alike.start.kind) {
             continue;
         }
-        let asked = &*search;
-        let at = |problem: &Problem<'_>, fit: &Fit| {
-            beside(problem, (asked, fit), (place, &alike)).ok().flatten()
+        let expected = &search.expected;
+        let at = |problem: &Problem<'_>, named: &Stage| {
+            beside(problem, named, expected, (place, &alike)).ok().flatten()
         };
-        let Some(Beside { mut lead, mut ahead, stage }) = at(problem, &search.after.fit) else {
+        let Some(Beside { mut lead, mut ahead, stage }) = at(problem, &search.after) else {
             continue;
         };
         if lead.abs() < FAR_BEHIND {
             let Stage { fit, origin } = &search.after;
-            let (moved, expected) = (&fit.coordinates, &search.expected);
+            let moved = &fit.coordinates;
             let finer = polish(finest, origin, &fit.model, moved, expected, &fit.noise);
-            if let Some(finer) = finer.ok().and_then(|fit| at(finest, &fit)) {
+            let finer = finer.map(|fit| Stage { fit, origin: origin.clone() });
+            if let Some(finer) = finer.ok().and_then(|named| at(finest, &named)) {
                 (lead, ahead) = (finer.lead, finer.ahead);
             }
         }
@@ -77,18 +79,18 @@ struct Beside {
     stage: Stage,
 }
 
-/// Fits what is `alike` in the place of an effect of a `fit`; `None` where it is non-finite.
+/// Fits what is `alike` in the place of an effect that was named; `None` where it is non-finite.
 fn beside(
     problem: &Problem<'_>,
-    (search, fit): (&Search, &Fit),
+    named: &Stage,
+    expected: &Noise,
     (place, alike): (usize, &Alike),
 ) -> Result<Option<Beside>, BuildError> {
     let Alike { hypothesis, start, .. } = alike;
-    let named = Stage { fit: fit.clone(), origin: search.after.origin.clone() };
     let (both, own) = ([hypothesis.start, *start], hypothesis.coordinates(place));
-    let stage = named.instead(problem, &search.expected, place, both, &own)?;
-    let lead = cost(fit) - cost(&stage.fit);
-    let ahead = stays_ahead(fit, &[&stage.fit], problem.mask);
+    let stage = named.instead(problem, expected, place, both, &own)?;
+    let lead = cost(&named.fit) - cost(&stage.fit);
+    let ahead = stays_ahead(&named.fit, &[&stage.fit], problem.mask);
     Ok(lead.is_finite().then_some(Beside { lead, ahead, stage }))
 }
 
